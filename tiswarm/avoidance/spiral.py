@@ -1,0 +1,31 @@
+"""Spiral: every near obstacle pushes away and swirls anticlockwise."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from tiswarm.avoidance import Avoidance
+from tiswarm.lanes import near, outward
+
+
+class Strategy(Avoidance):
+    """Lupau 2022, equations 15 to 17: A(r) = swirl (r_x - r_y, r_x + r_y) + push r/|r|²."""
+
+    @dataclass(frozen=True)
+    class Weights:
+        """Numbers of the field."""
+
+        push: float = 10.0  # strength of the outward part [m²/s]
+        swirl: float = 1.0  # strength of the spiral part [1/s]
+        reach: float = 3.0  # distance from the obstacle's edge at which the field ends [m]
+
+    @staticmethod
+    @ti.func
+    def field(me, obstacle, target, weights):
+        x = me.x - obstacle.x
+        y = me.y - obstacle.y
+        distance2 = x * x + y * y
+        inside = near(distance2, obstacle.radius + weights.reach)
+        push = inside * (outward(weights.push, distance2) + weights.swirl)
+        swirl = inside * weights.swirl
+        return push * x - swirl * y, push * y + swirl * x

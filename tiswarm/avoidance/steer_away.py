@@ -1,0 +1,46 @@
+"""Steer away: turn once, anticlockwise, when any obstacle blocks the course."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from tiswarm.avoidance import Avoidance
+from tiswarm.lanes import near
+
+
+class Strategy(Avoidance):
+    """Lupau 2022, equations 22 to 30. Equation 30 varies the sign; its simulator always turns anticlockwise."""
+
+    @dataclass(frozen=True)
+    class Weights:
+        """Numbers of the turn."""
+
+        turn: float = 0.15  # angle of one turn [π rad]
+        lookahead: float = 30.0  # distance from the obstacle's edge at which it is looked at [m]
+
+    @staticmethod
+    def derived(weights):
+        """Compute the rotation once per trial: lanes have no sine."""
+        return {"cosine": np.cos(np.pi * weights["turn"]), "sine": np.sin(np.pi * weights["turn"])}
+
+    @staticmethod
+    @ti.func
+    def blocks(me, course, obstacle, weights):
+        """|tan(angle to the centre)| <= (my radius + its radius)/distance, without the divisions.
+
+        An obstacle right behind blocks too, as its tangent is small as well: the simulator's quirk, kept.
+        """
+        x = obstacle.x - me.x
+        y = obstacle.y - me.y
+        distance2 = x * x + y * y
+        across = course.x * y - course.y * x
+        along = course.x * x + course.y * y
+        size = me.radius + obstacle.radius
+        hit = ti.select(across * across * distance2 <= size * size * along * along, 1.0, 0.0)
+        return hit * near(distance2, obstacle.radius + weights.lookahead)
+
+    @staticmethod
+    @ti.func
+    def turn(weights):
+        return weights.cosine, weights.sine

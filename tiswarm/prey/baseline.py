@@ -1,0 +1,7 @@
+"""Baseline: flock to the target and ignore the predators."""
+
+from tiswarm.prey import Prey
+
+
+class Strategy(Prey):
+    """Lupau 2022, section 6.2, baseline."""

@@ -1,0 +1,24 @@
+"""Evasive: move away from every predator in sight."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from tiswarm.prey import Prey
+
+
+class Strategy(Prey):
+    """Lupau 2022, section 6.2, evasive: evade Σ (p - q) over predators q in sight."""
+
+    watches = True
+
+    @dataclass(frozen=True)
+    class Weights:
+        """Numbers of the strategy."""
+
+        evade: float = 0.01  # strength [1/s]
+
+    @staticmethod
+    @ti.func
+    def steer(me, threat, swarm, notes, memory, weights):
+        return weights.evade * threat.x, weights.evade * threat.y

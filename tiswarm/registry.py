@@ -1,0 +1,120 @@
+"""Find strategies: one file each, in this package, in a user's folder, or from an entry point."""
+
+import ast
+import difflib
+import importlib
+import importlib.metadata
+import importlib.util
+import sys
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal
+
+Kind = Literal["prey", "predators", "avoidance"]
+KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
+
+_folders: list[Path] = []
+
+
+class UnknownStrategy(ValueError):
+    """No file has this name; the message names the nearest one."""
+
+
+def add_path(folder: str | Path) -> None:
+    """Also look for strategies in `folder`/prey, `folder`/predators and `folder`/avoidance.
+
+    Errors: ValueError when none of the three is there.
+    """
+    folder = Path(folder).resolve()
+    if not any((folder / kind).is_dir() for kind in KINDS):
+        raise ValueError(f"strategy path: {folder} has no folder named prey, predators or avoidance; put your file in one of these")
+    if folder not in _folders:
+        _folders.append(folder)
+        _files.cache_clear()
+        load.cache_clear()
+
+
+@cache
+def _files(kind: Kind) -> dict[str, Path | str]:
+    """Map each name to its file, or to the module of an entry point."""
+    found: dict[str, Path | str] = {}
+    for folder in (Path(__file__).parent, *_folders):
+        for file in sorted((folder / kind).glob("*.py")):
+            if not file.stem.startswith("_"):
+                found[file.stem.replace("_", "-")] = file
+    for entry in importlib.metadata.entry_points(group=f"tiswarm.{kind}"):
+        found.setdefault(entry.name.replace("_", "-"), entry.value)
+    return found
+
+
+def names(kind: Kind) -> list[str]:
+    """List the names of a kind, as presets and the command line use them."""
+    return sorted(_files(kind))
+
+
+def described(kind: Kind) -> dict[str, str]:
+    """Map each name to the first line of its file's docstring, without importing the file."""
+    return {name: _first_line(file) for name, file in sorted(_files(kind).items())}
+
+
+def _first_line(file: Path | str) -> str:
+    if isinstance(file, str):
+        return f"(from {file})"
+    doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return doc.splitlines()[0] if doc else ""
+
+
+def nearest(word: str, known: list[str]) -> str:
+    """Say which known word was probably meant."""
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
+
+
+@cache
+def load(kind: Kind, name: str) -> Any:
+    """Import a strategy's class.
+
+    Errors: UnknownStrategy for a name without a file; ValueError for a file without a class named Strategy.
+    """
+    file = _files(kind).get(name)
+    if file is None:
+        raise UnknownStrategy(f"unknown '{name}'; {nearest(name, names(kind))}")
+    module = _imported(kind, name, file)
+    strategy = getattr(module, "Strategy", None)
+    if not isinstance(strategy, type):
+        raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
+    strategy.name = name  # type: ignore[attr-defined]
+    return strategy
+
+
+def _imported(kind: Kind, name: str, file: Path | str) -> ModuleType:
+    if isinstance(file, str):
+        return importlib.import_module(file.partition(":")[0])
+    if file.parent.parent == Path(__file__).parent:
+        return importlib.import_module(f"tiswarm.{kind}.{file.stem}")
+    spec = importlib.util.spec_from_file_location(f"tiswarm_user_{kind}_{file.stem}", file)
+    if spec is None or spec.loader is None:
+        raise ValueError(f"{file}: cannot be imported")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # Taichi reads a function's source through its module
+    spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def parts(kind: Kind, name: str) -> tuple[str, ...]:
+    """Resolve a combination (kitchen-sink, explode-evasive, ...) into the strategies it is made of, in their order."""
+    strategy = load(kind, name)
+    if not strategy.parts:
+        return (name,)
+    return tuple(part for each in strategy.parts for part in parts(kind, each))
+
+
+def defaults(kind: Kind, name: str) -> dict[str, float]:
+    """Map the weights of a strategy, those of its parts included, to their defaults."""
+    found: dict[str, float] = {}
+    for part in parts(kind, name):
+        weights = load(kind, part).Weights()
+        found.update({key: float(value) for key, value in vars(weights).items()})
+    return found
