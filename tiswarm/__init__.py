@@ -16,7 +16,7 @@ _HOMES = {
     "add_path": "registry",
     "Start": "spawn",
     "simulate": "batch",
-    "record": "batch",
+    "record": "single",
     "Results": "results",
     "Estimate": "results",
     "compare": "results",
@@ -26,13 +26,14 @@ _HOMES = {
 __all__ = ["__version__", *_HOMES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from tiswarm.batch import record, simulate
+    from tiswarm.batch import simulate
     from tiswarm.explain import ScenarioError
     from tiswarm.recording import Recording
     from tiswarm.registry import add_path
     from tiswarm.results import Estimate, Results, compare
     from tiswarm.runtime import init
     from tiswarm.scenario import Scenario, load
+    from tiswarm.single import record
     from tiswarm.spawn import Start
 
 

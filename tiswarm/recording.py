@@ -102,7 +102,9 @@ class Recording:
                     stored["obstacle_radius"],
                 )
         except (KeyError, ValueError, EOFError, zipfile.BadZipFile, json.JSONDecodeError, ScenarioError) as error:
-            raise ValueError(f"{path}: not a recording of tiswarm ({error}); make one with tiswarm.record(...).save(...)") from None
+            raise ValueError(
+                f"{path}: not a recording of tiswarm ({error}); make one with tiswarm.record(...).save(...)"
+            ) from None
         recording.check()
         return recording
 

@@ -28,7 +28,9 @@ def add_path(folder: str | Path) -> None:
     """
     folder = Path(folder).resolve()
     if not any((folder / kind).is_dir() for kind in KINDS):
-        raise ValueError(f"strategy path: {folder} has no folder named prey, predators or avoidance; put your file in one of these")
+        raise ValueError(
+            f"strategy path: {folder} has no folder named prey, predators or avoidance; put your file in one of these"
+        )
     if folder not in _folders:
         _folders.append(folder)
         _files.cache_clear()

@@ -1,7 +1,9 @@
 """Start Taichi once per process: precision, threads, kernel cache, and the types that kernels are built from."""
 
 import os
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from types import SimpleNamespace
 from typing import Any, Literal
 
@@ -49,15 +51,19 @@ def init(precision: Precision = "f32", threads: int | None = None) -> None:
     import taichi as ti
 
     # fast_math off keeps results exact and repeatable. real_matrix_scalarize off hands vectors of lanes to LLVM whole, as
-    # <8 x float>: the same speed as the scalar path when that vectorises well, and a tenth of its compile time.
-    ti.init(
-        arch=ti.cpu,
-        default_fp=ti.f32 if precision == "f32" else ti.f64,
-        cpu_max_num_threads=wanted.threads,
-        fast_math=False,
-        real_matrix_scalarize=False,
-        log_level=ti.ERROR,
-    )
+    # <8 x float>, which compiles in a third of the time that lanes unrolled into scalars take, to better code. Taichi's own
+    # advanced_optimization takes a stored lane and a loaded vector for strangers and would drop the refill's stores; LLVM
+    # does that work again anyway, and right.
+    with redirect_stdout(StringIO()):  # Taichi prints a banner
+        ti.init(
+            arch=ti.cpu,
+            default_fp=ti.f32 if precision == "f32" else ti.f64,
+            cpu_max_num_threads=wanted.threads,
+            fast_math=False,
+            real_matrix_scalarize=False,
+            advanced_optimization=False,
+            log_level=ti.ERROR,
+        )
     _settings = wanted
     _generation += 1
 

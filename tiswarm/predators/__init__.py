@@ -20,7 +20,7 @@ class Predator:
         """The numbers of this strategy with their defaults and units."""
 
     @staticmethod
-    def derived(weights):  # noqa: ARG004
+    def derived(weights):
         """Compute more numbers from the weights (a dict of name -> [trial]), on the host, once per trial."""
         return {}
 

@@ -28,17 +28,17 @@ class Prey:
         """The numbers of this strategy with their defaults and units."""
 
     @staticmethod
-    def derived(weights):  # noqa: ARG004
+    def derived(weights):
         """Compute more numbers from the weights (a dict of name -> [trial]), on the host, once per trial."""
         return {}
 
     @staticmethod
-    def states(memory, weights):  # noqa: ARG004
+    def states(memory, weights):
         """Name states for recordings: {name: [agent] bool} from memory as {name: [agent]}."""
         return {}
 
     @staticmethod
-    def group(number):  # noqa: ARG004
+    def group(number):
         """Number the sub-swarm of agent 1, 2, ... for recordings; -1 when the swarm does not split."""
         return -1
 

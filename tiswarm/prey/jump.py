@@ -25,7 +25,7 @@ class Strategy(Prey):
         leap: float = 3.0  # speed of the kick [m/s]
 
     @staticmethod
-    def states(memory, weights):  # noqa: ARG004
+    def states(memory, weights):
         return {"jumped": memory["jumped"] > 0.5}
 
     @staticmethod

@@ -10,7 +10,8 @@ from tiswarm.prey import Prey
 
 class Strategy(Prey):
     """Lupau 2022, section 6.2, split: odd and even agents are no neighbours, and for `part_ticks` ticks each is pushed
-    away from m, the mean position of the other sub-swarm as its reference agent (2 for odd, 1 for even) sees it."""
+    away from m, the mean position of the other sub-swarm as its reference agent (2 for odd, 1 for even) sees it.
+    """
 
     notes = ("n", "x", "y")
 
@@ -37,11 +38,11 @@ class Strategy(Prey):
         odd = ti.select(me.number % 2 == 1, 1.0, 0.0)
         reference_x = odd * second.x + (1.0 - odd) * first.x
         reference_y = odd * second.y + (1.0 - odd) * first.y
-        follows = ti.select(((me.number + mate.number) % 2 == 1) & (mate.number > 2), 1.0, 0.0)
-        follows *= odd * second.alive + (1.0 - odd) * first.alive
-        seen = mate.alive * near((mate.x - reference_x) ** 2 + (mate.y - reference_y) ** 2, me.perception)
-        seen *= near((mate.x - me.x) ** 2 + (mate.y - me.y) ** 2, weights.part_range)
-        counted = follows * seen
+        reference_alive = odd * second.alive + (1.0 - odd) * first.alive
+        other = ti.select(((me.number + mate.number) % 2 == 1) & (mate.number > 2), 1.0, 0.0)
+        seen = near((mate.x - reference_x) ** 2 + (mate.y - reference_y) ** 2, me.perception)
+        felt = near((mate.x - me.x) ** 2 + (mate.y - me.y) ** 2, weights.part_range)
+        counted = other * reference_alive * mate.alive * seen * felt
         notes.n += counted
         notes.x += counted * mate.x
         notes.y += counted * mate.y

@@ -1,0 +1,161 @@
+"""Batch: run the trials of one or many scenarios in chunks, or a single trial tick by tick."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tiswarm import rng, runtime, trials
+from tiswarm.explain import ScenarioError
+from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, OBSTACLE_ROWS, Structure
+from tiswarm.progress import reporting
+from tiswarm.registry import nearest
+from tiswarm.results import Results
+from tiswarm.runtime import LANES
+from tiswarm.scenario import Scenario
+
+CHUNK = 16_384
+"""Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and what
+bounds the memory, since a trial in flight costs its outcomes, its place in the queue and, with weights of its own, its numbers."""
+
+NO_LIMIT = 2**31 - 1
+
+Progress = bool | Callable[[int, int], None]
+
+
+class Blocks:
+    """The arrays that a kernel works on: one block of lanes per thread, whatever the number of trials.
+
+    Attributes are as the kernel's arguments of the same names (trials.py).
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
+        """Allocate blocks for scenarios; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
+        types = runtime.types()
+        self.kernel, self.layout = trials.kernel(Structure.of(scenarios))
+        self.blocks = blocks
+        self.counts = counts or (
+            max(scenario.prey.count for scenario in scenarios),
+            max(scenario.predators.count for scenario in scenarios),
+            max(scenario.obstacles.count for scenario in scenarios),
+        )
+        prey, predators, obstacles = (max(count, 1) for count in self.counts)
+        rows = self.layout.agent_rows
+        self.dtype = types.dtype
+        self.prey = runtime.aligned((blocks * rows["prey"], prey, LANES), types.dtype)
+        self.predators = runtime.aligned((blocks * rows["predators"], predators, LANES), types.dtype)
+        self.obstacles = runtime.aligned((blocks * OBSTACLE_ROWS, obstacles, LANES), types.dtype)
+        self.numbers = runtime.aligned((blocks, len(self.layout.paths), LANES), types.dtype)
+        self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
+        self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
+
+    def advance(
+        self, table: np.ndarray, jobs: np.ndarray, queue: np.ndarray, results: np.ndarray, seed: int, moves: int
+    ) -> None:
+        """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
+        self.kernel(
+            self.prey,
+            self.predators,
+            self.obstacles,
+            self.numbers,
+            self.clock,
+            self.integer,
+            table,
+            jobs,
+            queue,
+            results,
+            *self.counts,
+            *rng.seed_words(seed),
+            self.blocks,
+            moves,
+        )
+
+
+def simulate(
+    scenario: Scenario,
+    trials: int = 1000,
+    seed: int = 0,
+    progress: Progress = False,
+    weights: Mapping[str, np.ndarray] | None = None,
+) -> Results:
+    """Run trials 0, 1, ... of a scenario.
+
+    progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
+    weights: path of any numeric key -> [trial], a number for each trial: {"prey.weights.evade": array}.
+
+    Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that the scenario does not allow.
+    """
+    _check_trials(trials)
+    if weights:
+        counts = _check_weights(scenario, weights, trials)
+        return _run([scenario], trials, seed, progress, weights, counts)[0]
+    return _run([scenario], trials, seed, progress)[0]
+
+
+def simulate_many(
+    scenarios: Sequence[Scenario], trials: int = 1000, seed: int = 0, progress: Progress = False
+) -> list[Results]:
+    """Run the same trials of several scenarios as one batch with one kernel, which holds the code of all of them.
+
+    Each scenario gets the same bits as on its own: code that it does not use counts with a weight of zero.
+    """
+    _check_trials(trials)
+    return _run(list(scenarios), trials, seed, progress)
+
+
+def _check_trials(trials: int) -> None:
+    if trials < 1:
+        raise ValueError(f"trials: {trials} is not possible; use 1 or more")
+
+
+def _run(
+    scenarios: list[Scenario],
+    count: int,
+    seed: int,
+    progress: Progress,
+    weights: Mapping[str, np.ndarray] | None = None,
+    counts: tuple[int, int, int] | None = None,
+) -> list[Results]:
+    rng.seed_words(seed)
+    blocks = Blocks(scenarios, runtime.start().threads, counts)
+    shared = None if weights else blocks.layout.table(scenarios).astype(blocks.dtype)
+    outcomes = np.zeros((len(scenarios) * count, len(trials.OUTCOMES)), np.int32)
+    with reporting(progress, len(outcomes), "trials") as report:
+        for first in range(0, len(outcomes), CHUNK):
+            jobs = np.arange(first, min(first + CHUNK, len(outcomes)))
+            if weights:
+                chunk = {path: np.asarray(values)[jobs] for path, values in weights.items()}
+                table, rows = blocks.layout.table(scenarios, chunk).astype(blocks.dtype), jobs - first
+            else:
+                table, rows = shared, jobs // count
+            places = np.stack([rows, jobs % count], axis=1).astype(np.int32)
+            blocks.advance(table, places, np.array([0, len(jobs)], np.int32), outcomes[jobs[0] : jobs[-1] + 1], seed, NO_LIMIT)
+            report(int(jobs[-1]) + 1)
+    split = outcomes.reshape(len(scenarios), count, -1)
+    return [
+        Results.of(scenario, seed, dict(zip(trials.OUTCOMES, each.T, strict=True)), weights)
+        for scenario, each in zip(scenarios, split, strict=True)
+    ]
+
+
+def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
+    """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
+    known = scenario.numbers()
+    ends: list[dict[str, Any]] = [{}, {}]
+    for path, values in weights.items():
+        array = np.asarray(values, np.float64)
+        if path not in known:
+            raise ScenarioError(f"weights: unknown key '{path}'; {nearest(path, sorted(known))}")
+        if array.shape != (count,):
+            raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
+        for end, pick in zip(ends, (np.min, np.max), strict=True):
+            end[path] = float(pick(array)) if not np.isnan(array).any() else float("nan")
+    for end in ends:
+        for path, value in end.items():
+            whole = path.endswith(".count") or path == "world.ticks"
+            scenario.replaced({path: int(value) if whole and value == int(value) else value})
+
+    def most(kind: str) -> int:
+        return int(ends[1].get(f"{kind}.count", getattr(scenario, kind).count))
+
+    return most("prey"), most("predators"), most("obstacles")

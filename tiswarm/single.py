@@ -1,0 +1,152 @@
+"""Single: one trial in one lane, tick by tick, with the same kernel and so the same bits as in a batch."""
+
+from typing import Any
+
+import numpy as np
+
+from tiswarm import registry
+from tiswarm.batch import Blocks
+from tiswarm.layout import AGE, ALIVE, DONE, FATE, OBSTACLE_RADIUS, OBSTACLE_X, OBSTACLE_Y, VX, VY, X, Y
+from tiswarm.recording import FATES, Recording, Swarm
+from tiswarm.scenario import Scenario
+from tiswarm.spawn import Start
+from tiswarm.trials import OUTCOMES
+
+
+class Single:
+    """A trial that pauses after every tick."""
+
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
+        """Draw the start from seed and trial number, or take an explicit one."""
+        if not 0 <= trial < 1 << 31:
+            raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
+        if start is not None:
+            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
+            paths = ("prey.count", "predators.count", "obstacles.count")
+            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+        self.scenario = scenario
+        self.seed = seed
+        self._blocks = Blocks([scenario], 1)
+        self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
+        self._jobs = np.array([[0, trial]], np.int32)
+        self._queue = np.array([0, 1], np.int32)
+        self._results = np.zeros((1, len(OUTCOMES)), np.int32)
+        self._advance(0)
+        if start is not None:
+            for kind, name in (("prey", "prey"), ("predators", "predator")):
+                self.place(kind, getattr(start, f"{name}_position"), getattr(start, f"{name}_velocity"))
+            obstacles = self._blocks.obstacles
+            obstacles[OBSTACLE_X, : len(start.obstacle_radius), 0] = start.obstacle_position[:, 0]
+            obstacles[OBSTACLE_Y, : len(start.obstacle_radius), 0] = start.obstacle_position[:, 1]
+            obstacles[OBSTACLE_RADIUS, : len(start.obstacle_radius), 0] = start.obstacle_radius
+
+    def _advance(self, moves: int) -> None:
+        self._blocks.advance(self._table, self._jobs, self._queue, self._results, self.seed, moves)
+
+    def step(self) -> None:
+        """Run one tick."""
+        self._advance(1)
+
+    @property
+    def ended(self) -> bool:
+        """Tell whether the trial is over."""
+        return bool(self._blocks.clock[0, DONE, 0] > 0.5)
+
+    @property
+    def ticks(self) -> int:
+        """Count the ticks run."""
+        return int(self._blocks.clock[0, AGE, 0])
+
+    def _agents(self, kind: str) -> np.ndarray:
+        return getattr(self._blocks, kind)[:, : getattr(self.scenario, kind).count, 0]
+
+    def position(self, kind: str) -> np.ndarray:
+        """Give where the prey or predators are: [agent, 2], m, NaN for those who are gone."""
+        return self._pair(kind, X, Y)
+
+    def velocity(self, kind: str) -> np.ndarray:
+        """Give their velocity: [agent, 2], m/s, NaN for those who are gone."""
+        return self._pair(kind, VX, VY)
+
+    def _pair(self, kind: str, first: int, second: int) -> np.ndarray:
+        rows = self._agents(kind)
+        pair = np.stack([rows[first], rows[second]], axis=1).astype(np.float64)
+        pair[rows[ALIVE] < 0.5] = np.nan
+        return pair
+
+    def fate(self, kind: str) -> np.ndarray:
+        """Name what became of each agent so far: [agent]."""
+        return np.array(FATES)[self._agents(kind)[FATE].astype(int)]
+
+    def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
+        """Give the agents' memory: strategy -> name -> [agent]."""
+        parts = self._blocks.layout.parts(kind, "strategy")
+        rows = self._agents(kind)
+        return {p.part.name: {name: rows[row].copy() for name, row in zip(p.memory, p.memory_rows, strict=True)} for p in parts}
+
+    def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Give the obstacles' centres and radii: [obstacle, 2] and [obstacle], m."""
+        rows = self._blocks.obstacles[:, : self.scenario.obstacles.count, 0].astype(np.float64)
+        return np.stack([rows[OBSTACLE_X], rows[OBSTACLE_Y]], axis=1), rows[OBSTACLE_RADIUS].copy()
+
+    def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:
+        """Put agents somewhere, their memory untouched; NaN in a position means gone."""
+        rows = self._agents(kind)
+        here = np.isfinite(position[:, 0])
+        rows[ALIVE] = here
+        for row, values in ((X, position[:, 0]), (Y, position[:, 1]), (VX, velocity[:, 0]), (VY, velocity[:, 1])):
+            rows[row] = np.where(here, values, rows[row])
+        self._advance(0)  # the fields at the new places
+
+
+def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None) -> Recording:
+    """Run one trial and keep its path: the same bits as in a batch of any size.
+
+    start: an explicit start state; counts then come from it, not from the scenario.
+    """
+    single = Single(scenario, seed, trial, start)
+    rows: dict[str, list[Any]] = {"prey": [], "predators": []}
+
+    def note() -> None:
+        for kind, kept in rows.items():
+            kept.append((single.position(kind), single.velocity(kind), single.memory(kind)))
+
+    note()
+    while not single.ended:
+        single.step()
+        note()
+    positions = {kind: np.stack([row[0] for row in kept]) for kind, kept in rows.items()}
+    swarms = {}
+    for kind, other in (("prey", "predators"), ("predators", "prey")):
+        position = positions[kind]
+        velocity = np.stack([row[1] for row in rows[kind]])
+        state = _states(single.scenario, kind, position, positions[other], [row[2] for row in rows[kind]])
+        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, _groups(single.scenario, kind, position))
+    centres, radii = single.obstacles()
+    return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
+
+
+def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndarray, memories: list[Any]) -> np.ndarray:
+    """Name each agent's state in each row: what its strategy says, else alarmed when it sees an opponent, else calm."""
+    agents = getattr(scenario, kind)
+    state = np.full(position.shape[:2], "calm", dtype="<U12")
+    for row in range(len(position)):
+        away = position[row, :, None] - others[row, None, :]
+        seen = np.hypot(away[..., 0], away[..., 1]) <= agents.perception
+        state[row, seen.any(axis=1)] = "alarmed"
+        for name, memory in memories[row].items():
+            if memory:
+                for label, members in registry.load(kind, name).states(memory, agents.weights).items():  # type: ignore[arg-type]
+                    state[row, members] = label
+    return state
+
+
+def _groups(scenario: Scenario, kind: str, position: np.ndarray) -> np.ndarray:
+    """Number each agent's sub-swarm, -1 for a swarm that does not split."""
+    group = np.full(position.shape[:2], -1, np.int32)
+    for name in registry.parts(kind, getattr(scenario, kind).strategy):  # type: ignore[arg-type]
+        strategy = registry.load(kind, name)  # type: ignore[arg-type]
+        if hasattr(strategy, "group"):
+            own = [strategy.group(number) for number in range(1, position.shape[1] + 1)]
+            group = np.where(group < 0, own, group).astype(np.int32)
+    return group

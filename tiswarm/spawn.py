@@ -1,0 +1,140 @@
+"""Start states: drawn from a scenario, a seed and a trial number, or explicit ones."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import taichi as ti
+
+from tiswarm import rng
+from tiswarm.layout import (
+    AGENT_ROWS,
+    ALIVE,
+    FATE,
+    OBSTACLE_RADIUS,
+    OBSTACLE_ROWS,
+    OBSTACLE_X,
+    OBSTACLE_Y,
+    SEEN,
+    STAYS,
+    TRIAL,
+    VX,
+    VY,
+    Layout,
+    X,
+    Y,
+)
+
+FAR = 1e9
+"""Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """An explicit start state.
+
+    prey_position, prey_velocity, predator_position, predator_velocity, obstacle_position: [agent or obstacle, dim], m and m/s;
+    obstacle_radius: [obstacle], m.
+
+    Errors: ValueError for shapes that do not fit each other, numbers that are not finite, or no prey.
+    """
+
+    prey_position: np.ndarray
+    prey_velocity: np.ndarray
+    predator_position: np.ndarray
+    predator_velocity: np.ndarray
+    obstacle_position: np.ndarray
+    obstacle_radius: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in ("prey_position", "prey_velocity", "predator_position", "predator_velocity", "obstacle_position"):
+            array = np.asarray(getattr(self, name), np.float64)
+            object.__setattr__(self, name, array.reshape(-1, 2) if array.size == 0 else array)
+        object.__setattr__(self, "obstacle_radius", np.asarray(self.obstacle_radius, np.float64))
+        for name, array in vars(self).items():
+            if not np.isfinite(array).all():
+                raise ValueError(f"start: {name} holds a number that is not finite")
+            if name != "obstacle_radius" and (array.ndim != 2 or array.shape[1] != 2):
+                raise ValueError(f"start: {name} has shape {array.shape}; use [agent, 2]")
+        for kind in ("prey", "predator"):
+            position, velocity = getattr(self, f"{kind}_position"), getattr(self, f"{kind}_velocity")
+            if position.shape != velocity.shape:
+                raise ValueError(f"start: {kind}_position has shape {position.shape} but {kind}_velocity {velocity.shape}")
+        if len(self.prey_position) == 0:
+            raise ValueError("start: prey_position is empty; a trial needs 1 prey or more")
+        if self.obstacle_radius.shape != (len(self.obstacle_position),):
+            raise ValueError(f"start: obstacle_radius has shape {self.obstacle_radius.shape}; use one radius an obstacle")
+
+
+def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
+    """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
+    lanes, integers = types.lanes, types.integer_lanes
+    uniform = rng.build(types).uniform
+    at = layout.at
+
+    def draws_agents(kind: str, purpose: int):
+        columns, rows = getattr(at, kind), layout.agent_rows[kind]
+        region, velocity = columns.region, columns.velocity
+
+        @ti.func
+        def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
+            r = b * rows
+            for i in range(count):
+                a, c, e, f = uniform(key_low, key_high, trial, purpose, i, integers(ti.u32(0)))
+                x0, y0, u0, w0 = numbers[b, region[0]], numbers[b, region[1]], numbers[b, velocity[0]], numbers[b, velocity[1]]
+                x = x0 + a * (numbers[b, region[2]] - x0)
+                y = y0 + c * (numbers[b, region[3]] - y0)
+                vx = u0 + e * (numbers[b, velocity[2]] - u0)
+                vy = w0 + f * (numbers[b, velocity[3]] - w0)
+                exists = ti.select(numbers[b, columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
+                agents[r + X, i] = ti.select(fresh, x, agents[r + X, i])
+                agents[r + Y, i] = ti.select(fresh, y, agents[r + Y, i])
+                agents[r + VX, i] = ti.select(fresh, vx, agents[r + VX, i])
+                agents[r + VY, i] = ti.select(fresh, vy, agents[r + VY, i])
+                agents[r + ALIVE, i] = ti.select(fresh, exists, agents[r + ALIVE, i])
+                agents[r + FATE, i] = ti.select(fresh, lanes(float(STAYS)), agents[r + FATE, i])
+                agents[r + SEEN, i] = ti.select(fresh, lanes(0.0), agents[r + SEEN, i])
+                for row in range(AGENT_ROWS, rows):  # the strategies' memory
+                    agents[r + row, i] = ti.select(fresh, lanes(0.0), agents[r + row, i])
+
+        return spawn
+
+    region, radius = at.obstacles.region, at.obstacles.radius
+    spawn_prey = draws_agents("prey", rng.PREY)
+    spawn_predators = draws_agents("predators", rng.PREDATORS)
+
+    @ti.func
+    def spawn_obstacles(obstacles: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
+        r = b * OBSTACLE_ROWS
+        for i in range(count):
+            a, c, e, _ = uniform(key_low, key_high, trial, rng.OBSTACLES, i, integers(ti.u32(0)))
+            x0, y0, r0 = numbers[b, region[0]], numbers[b, region[1]], numbers[b, radius[0]]
+            exists = numbers[b, at.obstacles.count] > ti.cast(i, types.real) + 0.5
+            x = ti.select(exists, x0 + a * (numbers[b, region[2]] - x0), FAR)
+            y = ti.select(exists, y0 + c * (numbers[b, region[3]] - y0), FAR)
+            size = ti.select(exists, r0 + e * (numbers[b, radius[1]] - r0), 0.0)
+            obstacles[r + OBSTACLE_X, i] = ti.select(fresh, x, obstacles[r + OBSTACLE_X, i])
+            obstacles[r + OBSTACLE_Y, i] = ti.select(fresh, y, obstacles[r + OBSTACLE_Y, i])
+            obstacles[r + OBSTACLE_RADIUS, i] = ti.select(fresh, size, obstacles[r + OBSTACLE_RADIUS, i])
+
+    @ti.func
+    def spawn(
+        prey: ti.template(),
+        predators: ti.template(),
+        obstacles: ti.template(),
+        counts,
+        numbers: ti.template(),
+        integer: ti.template(),
+        b,
+        fresh,
+        key_low,
+        key_high,
+    ):
+        """Draw prey, predators and obstacles of the lanes that are fresh (a mask)."""
+        trial = integer[b, TRIAL]
+        spawn_prey(prey, counts[0], numbers, b, trial, fresh, key_low, key_high)
+        if ti.static(layout.structure.hunted):
+            spawn_predators(predators, counts[1], numbers, b, trial, fresh, key_low, key_high)
+        spawn_obstacles(obstacles, counts[2], numbers, b, trial, fresh, key_low, key_high)
+
+    return SimpleNamespace(spawn=spawn, uniform=uniform)
