@@ -42,10 +42,10 @@ class Blocks:
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype
-        self.prey = runtime.aligned((blocks * rows["prey"], prey, LANES), types.dtype)
-        self.predators = runtime.aligned((blocks * rows["predators"], predators, LANES), types.dtype)
-        self.obstacles = runtime.aligned((blocks * OBSTACLE_ROWS, obstacles, LANES), types.dtype)
-        self.numbers = runtime.aligned((blocks, len(self.layout.paths), LANES), types.dtype)
+        self.prey = runtime.aligned((blocks * prey * rows["prey"], LANES), types.dtype)
+        self.predators = runtime.aligned((blocks * predators * rows["predators"], LANES), types.dtype)
+        self.obstacles = runtime.aligned((blocks * obstacles * OBSTACLE_ROWS, LANES), types.dtype)
+        self.numbers = runtime.aligned((blocks * len(self.layout.paths), LANES), types.dtype)
         self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
         self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
 

@@ -2,6 +2,8 @@
 
 import taichi as ti
 
+from tiswarm.lanes import larger
+
 
 @ti.func
 def see_mate(mates: ti.template(), me, mate, counts, perception2, spacing2):
@@ -30,7 +32,7 @@ def flock(me, mates, cohesion, separation, alignment):
     c, u: mean position and velocity of the neighbours, both (0, 0) when there are none: a lone agent is drawn weakly to
     the map's origin and damped, as in the simulator of Lupau 2022 (equations 5 to 9 and its differences from them).
     """
-    share = 1.0 / ti.max(mates.n, 1.0)
+    share = 1.0 / larger(mates.n, 1.0)
     lone = ti.select(mates.n < 0.5, 1.0, 0.0)
     x = separation * mates.push_x - cohesion * (share * mates.x + lone * me.x) + alignment * (share * mates.vx - me.vx)
     y = separation * mates.push_y - cohesion * (share * mates.y + lone * me.y) + alignment * (share * mates.vy - me.vy)

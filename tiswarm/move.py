@@ -1,11 +1,11 @@
-"""Move: what agents see, how they steer, and one step of their motion; all read one snapshot."""
+"""Move: how agents steer and one step of their motion; all of a kind read one snapshot."""
 
 from types import SimpleNamespace
 
 import taichi as ti
 
 from tiswarm.flocking import flock, see_mate
-from tiswarm.lanes import capped
+from tiswarm.lanes import capped, larger
 from tiswarm.layout import (
     AGE,
     ALIVE,
@@ -15,10 +15,6 @@ from tiswarm.layout import (
     NEXT_VY,
     NEXT_X,
     NEXT_Y,
-    OBSTACLE_RADIUS,
-    OBSTACLE_ROWS,
-    OBSTACLE_X,
-    OBSTACLE_Y,
     SEEN,
     TICK,
     TRIAL,
@@ -31,46 +27,17 @@ from tiswarm.layout import (
 from tiswarm.rng import STRATEGY
 
 
-def structs(types: SimpleNamespace) -> SimpleNamespace:
-    """Build what hooks see of the world, in lanes (numbers of agents are the same in every lane)."""
-    lanes = types.lanes
-
-    def struct(names: str, **others):
-        return ti.types.struct(**dict.fromkeys(names.split(), lanes), **others)
-
-    return SimpleNamespace(
-        Me=struct("x y vx vy alive radius perception max_speed", number=ti.i32),
-        Mate=struct("x y vx vy alive", number=ti.i32),
-        Mates=struct("n x y vx vy push_x push_y"),  # see flocking.see_mate
-        Threat=struct("n x y"),  # n: predators in sight; x, y: Σ (p - q) over them
-        Swarm=struct("n x y vx vy age"),  # alive prey: how many, mean position and velocity; ticks run
-        Target=struct("x y radius"),
-        Obstacle=struct("x y radius"),
-        Course=struct("x y"),  # velocity after all terms, before turn and cap
-        Dice=struct("a b"),  # uniform in [0, 1)
-    )
-
-
-def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, uniform) -> SimpleNamespace:
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform) -> SimpleNamespace:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes = types.lanes
     at = layout.at
+    width = len(layout.paths)
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     strategies = layout.parts("prey", "strategy")
     pursuits = layout.parts("predators", "strategy")
     remembering = [p for p in strategies if p.memory]
+    kicking = [p for p in strategies if p.strategy.dice]
     watching = layout.structure.hunted and any(p.strategy.watches for p in strategies)
-
-    @ti.func
-    def agent(agents: ti.template(), r, i):
-        return structs.Mate(
-            x=agents[r + X, i],
-            y=agents[r + Y, i],
-            vx=agents[r + VX, i],
-            vy=agents[r + VY, i],
-            alive=agents[r + ALIVE, i],
-            number=i + 1,
-        )
 
     def flocks(kind: str):
         columns, rows = getattr(at, kind), layout.agent_rows[kind]
@@ -79,17 +46,16 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
         @ti.func
         def steer_by_mates(agents: ti.template(), numbers: ti.template(), b, count, me):
             """Separation, cohesion and alignment: what the mates in sight add to the velocity."""
-            r = b * rows
-            reach = numbers[b, columns.perception]
-            spacing = ti.min(numbers[b, columns.spacing], reach)
-            perception2 = reach * reach
+            n = b * width
+            spacing = ti.min(numbers[n + columns.spacing], me.perception)
+            perception2 = me.perception * me.perception
             spacing2 = spacing * spacing
-            mates = structs.Mates(*[lanes(0.0) for _ in ti.static(range(7))])
+            mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(7))])
             for j in range(count):
-                mate = agent(agents, r, j)
+                mate = see.mate_at(agents, (b * count + j) * rows, j)
                 counts = mate.alive
                 for p in ti.static(choosy):
-                    weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
+                    weights = see.weights_of(p, numbers, b)
                     chosen = p.strategy.mates(me, mate, weights)
                     if ti.static(p.part.mixed):
                         counts = counts * (1.0 - weights.on * (1.0 - chosen))
@@ -100,32 +66,26 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
             mates.n += -1.0 * me.alive
             mates.vx += -1.0 * me.alive * me.vx
             mates.vy += -1.0 * me.alive * me.vy
-            return flock(me, mates, numbers[b, columns.cohesion], numbers[b, columns.separation], numbers[b, columns.alignment])
+            return flock(me, mates, numbers[n + columns.cohesion], numbers[n + columns.separation], numbers[n + columns.alignment])
 
         return steer_by_mates
 
     def turns(kind: str):
-        rows = layout.agent_rows[kind]  # noqa: F841
         turning = layout.parts(kind, "avoidance", "blocks")
 
         @ti.func
         def turned(obstacles: ti.template(), numbers: ti.template(), b, count, me, x, y):
             """Rotate the course once if any obstacle blocks it."""
-            o = b * OBSTACLE_ROWS
             for p in ti.static(turning):
-                weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
-                course = structs.Course(x=x, y=y)
+                weights = see.weights_of(p, numbers, b)
+                course = see.Course(x=x, y=y)
                 blocked = lanes(0.0)
                 for j in range(count):
-                    obstacle = structs.Obstacle(
-                        x=obstacles[o + OBSTACLE_X, j], y=obstacles[o + OBSTACLE_Y, j], radius=obstacles[o + OBSTACLE_RADIUS, j]
-                    )
-                    blocked = ti.max(blocked, p.strategy.blocks(me, course, obstacle, weights))
-                if ti.static(p.part.mixed):
-                    blocked = blocked * weights.on
+                    blocked += p.strategy.blocks(me, course, see.obstacle_at(obstacles, b, count, j), weights)
                 cosine, sine = p.strategy.turn(weights)
-                cosine = 1.0 + blocked * (cosine - 1.0)
-                sine = blocked * sine
+                rotated = (blocked > 0.5) & (weights.on > 0.5)
+                cosine = ti.select(rotated, cosine, 1.0)
+                sine = ti.select(rotated, sine, 0.0)
                 x = cosine * course.x - sine * course.y
                 y = sine * course.x + cosine * course.y
             return x, y
@@ -133,36 +93,18 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
         return turned
 
     @ti.func
-    def self_of(agents: ti.template(), numbers: ti.template(), b, r, i, columns: ti.template()):
-        return structs.Me(
-            x=agents[r + X, i],
-            y=agents[r + Y, i],
-            vx=agents[r + VX, i],
-            vy=agents[r + VY, i],
-            alive=agents[r + ALIVE, i],
-            radius=numbers[b, columns.radius],
-            perception=numbers[b, columns.perception],
-            max_speed=numbers[b, columns.max_speed],
-            number=i + 1,
-        )
-
-    @ti.func
-    def target_of(numbers: ti.template(), b):
-        return structs.Target(x=numbers[b, at.target.x], y=numbers[b, at.target.y], radius=numbers[b, at.target.radius])
-
-    @ti.func
     def swarm_of(prey: ti.template(), b, count, age):
         """Give the means over the alive prey, zero when there are none."""
-        r = b * prey_rows
-        swarm = structs.Swarm(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0), vx=lanes(0.0), vy=lanes(0.0), age=age)
+        swarm = see.Swarm(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0), vx=lanes(0.0), vy=lanes(0.0), age=age)
         for i in range(count):
-            alive = prey[r + ALIVE, i]
+            a = (b * count + i) * prey_rows
+            alive = prey[a + ALIVE]
             swarm.n += alive
-            swarm.x += alive * prey[r + X, i]
-            swarm.y += alive * prey[r + Y, i]
-            swarm.vx += alive * prey[r + VX, i]
-            swarm.vy += alive * prey[r + VY, i]
-        share = 1.0 / ti.max(swarm.n, 1.0)
+            swarm.x += alive * prey[a + X]
+            swarm.y += alive * prey[a + Y]
+            swarm.vx += alive * prey[a + VX]
+            swarm.vy += alive * prey[a + VY]
+        share = 1.0 / larger(swarm.n, 1.0)
         swarm.x = share * swarm.x
         swarm.y = share * swarm.y
         swarm.vx = share * swarm.vx
@@ -171,14 +113,14 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
 
     @ti.func
     def threat_to(me, predators: ti.template(), b, count):
-        h = b * predator_rows
-        threat = structs.Threat(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0))
+        threat = see.Threat(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0))
         if ti.static(watching):
             reach2 = me.perception * me.perception
             for j in range(count):
-                x = me.x - predators[h + X, j]
-                y = me.y - predators[h + Y, j]
-                seen = ti.select(x * x + y * y <= reach2, predators[h + ALIVE, j], 0.0)
+                q = (b * count + j) * predator_rows
+                x = me.x - predators[q + X]
+                y = me.y - predators[q + Y]
+                seen = ti.select(x * x + y * y <= reach2, predators[q + ALIVE], 0.0)
                 threat.n += seen
                 threat.x += seen * x
                 threat.y += seen * y
@@ -187,42 +129,59 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
     @ti.func
     def notes_of(p: ti.template(), prey: ti.template(), b, count, me, weights):
         """Let a strategy collect what it needs of its mates beyond flocking."""
-        r = b * prey_rows
         notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
         if ti.static(bool(p.strategy.notes)):
-            first = agent(prey, r, 0)
-            second = agent(prey, r, ti.min(1, count - 1))
+            first = see.mate_at(prey, b * count * prey_rows, 0)
+            second = see.mate_at(prey, (b * count + ti.min(1, count - 1)) * prey_rows, 1)
             for j in range(count):
-                p.strategy.observe(notes, me, agent(prey, r, j), first, second, weights)
+                p.strategy.observe(notes, me, see.mate_at(prey, (b * count + j) * prey_rows, j), first, second, weights)
         return notes
+
+    @ti.func
+    def memory_of(p: ti.template(), prey: ti.template(), a):
+        return p.Memory(*[prey[a + row] for row in ti.static(p.memory_rows or [X])])
 
     flock_prey, flock_predators = flocks("prey"), flocks("predators")
     turn_prey, turn_predators = turns("prey"), turns("predators")
 
     @ti.func
-    def commit(agents: ti.template(), r, count):
+    def commit(agents: ti.template(), b, count, rows: ti.template()):
         """Take the next state over; those who are gone stay where they went, at finite places."""
         for i in range(count):
-            here = agents[r + ALIVE, i] > 0.5
-            agents[r + X, i] = ti.select(here, agents[r + NEXT_X, i], agents[r + X, i])
-            agents[r + Y, i] = ti.select(here, agents[r + NEXT_Y, i], agents[r + Y, i])
-            agents[r + VX, i] = agents[r + NEXT_VX, i]
-            agents[r + VY, i] = agents[r + NEXT_VY, i]
+            a = (b * count + i) * rows
+            here = agents[a + ALIVE] > 0.5
+            agents[a + X] = ti.select(here, agents[a + NEXT_X], agents[a + X])
+            agents[a + Y] = ti.select(here, agents[a + NEXT_Y], agents[a + Y])
+            agents[a + VX] = agents[a + NEXT_VX]
+            agents[a + VY] = agents[a + NEXT_VY]
 
     @ti.func
     def remember(prey: ti.template(), numbers: ti.template(), b, count):
         """Let strategies update the agents' memory from what was seen in this move."""
-        r = b * prey_rows
         swarm_seen = lanes(0.0)
         for i in range(count):
-            swarm_seen += prey[r + ALIVE, i] * prey[r + SEEN, i]
+            a = (b * count + i) * prey_rows
+            swarm_seen += prey[a + ALIVE] * prey[a + SEEN]
         for i in range(count):
+            a = (b * count + i) * prey_rows
             for p in ti.static(remembering):
-                weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
-                memory = p.Memory(*[prey[r + row, i] for row in ti.static(p.memory_rows)])
-                p.strategy.remember(memory, prey[r + SEEN, i], swarm_seen, weights)
+                memory = memory_of(p, prey, a)
+                p.strategy.remember(memory, prey[a + SEEN], swarm_seen, see.weights_of(p, numbers, b))
                 for k in ti.static(range(len(p.memory))):
-                    prey[r + p.memory_rows[k], i] = ti.static([getattr(memory, name) for name in p.memory])[k]
+                    prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
+
+    @ti.func
+    def kicks(threat, prey: ti.template(), numbers: ti.template(), integer: ti.template(), b, i, a, key_low, key_high):
+        """Give what strategies add after the cap."""
+        x = lanes(0.0)
+        y = lanes(0.0)
+        for p in ti.static(kicking):
+            weights = see.weights_of(p, numbers, b)
+            first, second, _, _ = uniform(key_low, key_high, integer[b, TRIAL], STRATEGY, i, integer[b, TICK])
+            kick_x, kick_y = p.strategy.kick(threat, see.Dice(a=first, b=second), memory_of(p, prey, a), weights)
+            x += weights.on * kick_x
+            y += weights.on * kick_y
+        return x, y
 
     @ti.func
     def move_prey(
@@ -237,48 +196,37 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
         key_low,
         key_high,
     ):
-        """V += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11)."""
-        r = b * prey_rows
+        """v += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11)."""
+        n = b * width
         swarm = swarm_of(prey, b, counts[0], clock[b, AGE])
-        target = target_of(numbers, b)
-        dt = numbers[b, at.dt]
+        target = see.target_of(numbers, b)
+        limits = see.limits_of(numbers, b, at.prey)
         for i in range(counts[0]):
-            me = self_of(prey, numbers, b, r, i, at.prey)
+            a = (b * counts[0] + i) * prey_rows
+            me = see.me_at(prey, a, i, limits)
             threat = threat_to(me, predators, b, counts[1])
-            x, y = flock_prey(prey, numbers, b, counts[0], me)
-            goal = numbers[b, at.prey.goal]
-            x = me.vx + x + goal * (target.x - me.x) + prey[r + FIELD_X, i]
-            y = me.vy + y + goal * (target.y - me.y) + prey[r + FIELD_Y, i]
+            flock_x, flock_y = flock_prey(prey, numbers, b, counts[0], me)
+            goal = numbers[n + at.prey.goal]
+            x = me.vx + flock_x + goal * (target.x - me.x) + prey[a + FIELD_X]
+            y = me.vy + flock_y + goal * (target.y - me.y) + prey[a + FIELD_Y]
             for p in ti.static(strategies):
-                weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
-                memory = p.Memory(*[prey[r + row, i] for row in ti.static(p.memory_rows or [X])])
+                weights = see.weights_of(p, numbers, b)
                 notes = notes_of(p, prey, b, counts[0], me, weights)
-                steer_x, steer_y = p.strategy.steer(me, threat, swarm, notes, memory, weights)
-                if ti.static(p.part.mixed):
-                    x += weights.on * steer_x
-                    y += weights.on * steer_y
-                else:
-                    x += steer_x
-                    y += steer_y
+                steer_x, steer_y = p.strategy.steer(me, threat, swarm, notes, memory_of(p, prey, a), weights)
+                x += weights.on * steer_x
+                y += weights.on * steer_y
             x, y = turn_prey(obstacles, numbers, b, counts[2], me, x, y)
             x, y = capped(x, y, me.max_speed)
-            for p in ti.static([each for each in strategies if each.strategy.dice]):
-                weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
-                memory = p.Memory(*[prey[r + row, i] for row in ti.static(p.memory_rows or [X])])
-                dice_a, dice_b, _, _ = uniform(key_low, key_high, integer[b, TRIAL], STRATEGY, i, integer[b, TICK])
-                kick_x, kick_y = p.strategy.kick(threat, structs.Dice(a=dice_a, b=dice_b), memory, weights)
-                if ti.static(p.part.mixed):
-                    x += weights.on * kick_x
-                    y += weights.on * kick_y
-                else:
-                    x += kick_x
-                    y += kick_y
-            prey[r + SEEN, i] = threat.n
-            prey[r + NEXT_VX, i] = x
-            prey[r + NEXT_VY, i] = y
-            prey[r + NEXT_X, i] = me.x + x * dt
-            prey[r + NEXT_Y, i] = me.y + y * dt
-        commit(prey, r, counts[0])
+            if ti.static(bool(kicking)):
+                kick_x, kick_y = kicks(threat, prey, numbers, integer, b, i, a, key_low, key_high)
+                x += kick_x
+                y += kick_y
+            prey[a + SEEN] = threat.n
+            prey[a + NEXT_VX] = x
+            prey[a + NEXT_VY] = y
+            prey[a + NEXT_X] = me.x + x * numbers[n + at.dt]
+            prey[a + NEXT_Y] = me.y + y * numbers[n + at.dt]
+        commit(prey, b, counts[0], prey_rows)
         if ti.static(bool(remembering)):
             remember(prey, numbers, b, counts[0])
 
@@ -292,32 +240,29 @@ def build(layout: Layout, types: SimpleNamespace, structs: SimpleNamespace, unif
         b,
         counts,
     ):
-        """V += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
-        r = b * predator_rows
+        """v += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
+        n = b * width
         quarry = swarm_of(prey, b, counts[0], clock[b, AGE])
-        target = target_of(numbers, b)
-        dt = numbers[b, at.dt]
+        target = see.target_of(numbers, b)
+        limits = see.limits_of(numbers, b, at.predators)
         for i in range(counts[1]):
-            me = self_of(predators, numbers, b, r, i, at.predators)
-            x, y = flock_predators(predators, numbers, b, counts[1], me)
-            goal = numbers[b, at.predators.goal]
-            x = me.vx + x + predators[r + FIELD_X, i]
-            y = me.vy + y + predators[r + FIELD_Y, i]
+            a = (b * counts[1] + i) * predator_rows
+            me = see.me_at(predators, a, i, limits)
+            flock_x, flock_y = flock_predators(predators, numbers, b, counts[1], me)
+            x = me.vx + flock_x + predators[a + FIELD_X]
+            y = me.vy + flock_y + predators[a + FIELD_Y]
             for p in ti.static(pursuits):
-                weights = p.Weights(*[numbers[b, column] for column in ti.static(p.columns)])
+                weights = see.weights_of(p, numbers, b)
                 pursue_x, pursue_y = p.strategy.pursue(me, quarry, target, weights)
-                if ti.static(p.part.mixed):
-                    x += weights.on * goal * pursue_x
-                    y += weights.on * goal * pursue_y
-                else:
-                    x += goal * pursue_x
-                    y += goal * pursue_y
+                goal = weights.on * numbers[n + at.predators.goal]
+                x += goal * pursue_x
+                y += goal * pursue_y
             x, y = turn_predators(obstacles, numbers, b, counts[2], me, x, y)
             x, y = capped(x, y, me.max_speed)
-            predators[r + NEXT_VX, i] = x
-            predators[r + NEXT_VY, i] = y
-            predators[r + NEXT_X, i] = me.x + x * dt
-            predators[r + NEXT_Y, i] = me.y + y * dt
-        commit(predators, r, counts[1])
+            predators[a + NEXT_VX] = x
+            predators[a + NEXT_VY] = y
+            predators[a + NEXT_X] = me.x + x * numbers[n + at.dt]
+            predators[a + NEXT_Y] = me.y + y * numbers[n + at.dt]
+        commit(predators, b, counts[1], predator_rows)
 
     return SimpleNamespace(move_prey=move_prey, move_predators=move_predators)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tiswarm import registry
 from tiswarm.batch import Blocks
-from tiswarm.layout import AGE, ALIVE, DONE, FATE, OBSTACLE_RADIUS, OBSTACLE_X, OBSTACLE_Y, VX, VY, X, Y
+from tiswarm.layout import AGE, ALIVE, DONE, FATE, OBSTACLE_RADIUS, OBSTACLE_ROWS, OBSTACLE_X, OBSTACLE_Y, VX, VY, X, Y
 from tiswarm.recording import FATES, Recording, Swarm
 from tiswarm.scenario import Scenario
 from tiswarm.spawn import Start
@@ -33,12 +33,11 @@ class Single:
         self._results = np.zeros((1, len(OUTCOMES)), np.int32)
         self._advance(0)
         if start is not None:
-            for kind, name in (("prey", "prey"), ("predators", "predator")):
-                self.place(kind, getattr(start, f"{name}_position"), getattr(start, f"{name}_velocity"))
-            obstacles = self._blocks.obstacles
-            obstacles[OBSTACLE_X, : len(start.obstacle_radius), 0] = start.obstacle_position[:, 0]
-            obstacles[OBSTACLE_Y, : len(start.obstacle_radius), 0] = start.obstacle_position[:, 1]
-            obstacles[OBSTACLE_RADIUS, : len(start.obstacle_radius), 0] = start.obstacle_radius
+            rows = self._obstacles()
+            rows[OBSTACLE_X], rows[OBSTACLE_Y] = start.obstacle_position.T
+            rows[OBSTACLE_RADIUS] = start.obstacle_radius
+            self.place("prey", start.prey_position, start.prey_velocity)
+            self.place("predators", start.predator_position, start.predator_velocity)
 
     def _advance(self, moves: int) -> None:
         self._blocks.advance(self._table, self._jobs, self._queue, self._results, self.seed, moves)
@@ -58,7 +57,14 @@ class Single:
         return int(self._blocks.clock[0, AGE, 0])
 
     def _agents(self, kind: str) -> np.ndarray:
-        return getattr(self._blocks, kind)[:, : getattr(self.scenario, kind).count, 0]
+        """Give a view of lane 0: [row, agent]."""
+        rows, count = self._blocks.layout.agent_rows[kind], getattr(self.scenario, kind).count
+        return getattr(self._blocks, kind)[: count * rows, 0].reshape(count, rows).T
+
+    def _obstacles(self) -> np.ndarray:
+        """Give a view of lane 0: [row, obstacle]."""
+        count = self.scenario.obstacles.count
+        return self._blocks.obstacles[: count * OBSTACLE_ROWS, 0].reshape(count, OBSTACLE_ROWS).T
 
     def position(self, kind: str) -> np.ndarray:
         """Give where the prey or predators are: [agent, 2], m, NaN for those who are gone."""
@@ -86,7 +92,7 @@ class Single:
 
     def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
         """Give the obstacles' centres and radii: [obstacle, 2] and [obstacle], m."""
-        rows = self._blocks.obstacles[:, : self.scenario.obstacles.count, 0].astype(np.float64)
+        rows = self._obstacles().astype(np.float64)
         return np.stack([rows[OBSTACLE_X], rows[OBSTACLE_Y]], axis=1), rows[OBSTACLE_RADIUS].copy()
 
     def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:

@@ -71,6 +71,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     lanes, integers = types.lanes, types.integer_lanes
     uniform = rng.build(types).uniform
     at = layout.at
+    columns_count = len(layout.paths)
 
     def draws_agents(kind: str, purpose: int):
         columns, rows = getattr(at, kind), layout.agent_rows[kind]
@@ -78,24 +79,25 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
 
         @ti.func
         def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-            r = b * rows
+            n = b * columns_count
             for i in range(count):
+                at_agent = (b * count + i) * rows
                 a, c, e, f = uniform(key_low, key_high, trial, purpose, i, integers(ti.u32(0)))
-                x0, y0, u0, w0 = numbers[b, region[0]], numbers[b, region[1]], numbers[b, velocity[0]], numbers[b, velocity[1]]
-                x = x0 + a * (numbers[b, region[2]] - x0)
-                y = y0 + c * (numbers[b, region[3]] - y0)
-                vx = u0 + e * (numbers[b, velocity[2]] - u0)
-                vy = w0 + f * (numbers[b, velocity[3]] - w0)
-                exists = ti.select(numbers[b, columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
-                agents[r + X, i] = ti.select(fresh, x, agents[r + X, i])
-                agents[r + Y, i] = ti.select(fresh, y, agents[r + Y, i])
-                agents[r + VX, i] = ti.select(fresh, vx, agents[r + VX, i])
-                agents[r + VY, i] = ti.select(fresh, vy, agents[r + VY, i])
-                agents[r + ALIVE, i] = ti.select(fresh, exists, agents[r + ALIVE, i])
-                agents[r + FATE, i] = ti.select(fresh, lanes(float(STAYS)), agents[r + FATE, i])
-                agents[r + SEEN, i] = ti.select(fresh, lanes(0.0), agents[r + SEEN, i])
+                x0, y0, u0, w0 = numbers[n + region[0]], numbers[n + region[1]], numbers[n + velocity[0]], numbers[n + velocity[1]]
+                x = x0 + a * (numbers[n + region[2]] - x0)
+                y = y0 + c * (numbers[n + region[3]] - y0)
+                vx = u0 + e * (numbers[n + velocity[2]] - u0)
+                vy = w0 + f * (numbers[n + velocity[3]] - w0)
+                exists = ti.select(numbers[n + columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
+                agents[at_agent + X] = ti.select(fresh, x, agents[at_agent + X])
+                agents[at_agent + Y] = ti.select(fresh, y, agents[at_agent + Y])
+                agents[at_agent + VX] = ti.select(fresh, vx, agents[at_agent + VX])
+                agents[at_agent + VY] = ti.select(fresh, vy, agents[at_agent + VY])
+                agents[at_agent + ALIVE] = ti.select(fresh, exists, agents[at_agent + ALIVE])
+                agents[at_agent + FATE] = ti.select(fresh, lanes(float(STAYS)), agents[at_agent + FATE])
+                agents[at_agent + SEEN] = ti.select(fresh, lanes(0.0), agents[at_agent + SEEN])
                 for row in range(AGENT_ROWS, rows):  # the strategies' memory
-                    agents[r + row, i] = ti.select(fresh, lanes(0.0), agents[r + row, i])
+                    agents[at_agent + row] = ti.select(fresh, lanes(0.0), agents[at_agent + row])
 
         return spawn
 
@@ -105,17 +107,18 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
 
     @ti.func
     def spawn_obstacles(obstacles: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-        r = b * OBSTACLE_ROWS
+        n = b * columns_count
         for i in range(count):
+            at_obstacle = (b * count + i) * OBSTACLE_ROWS
             a, c, e, _ = uniform(key_low, key_high, trial, rng.OBSTACLES, i, integers(ti.u32(0)))
-            x0, y0, r0 = numbers[b, region[0]], numbers[b, region[1]], numbers[b, radius[0]]
-            exists = numbers[b, at.obstacles.count] > ti.cast(i, types.real) + 0.5
-            x = ti.select(exists, x0 + a * (numbers[b, region[2]] - x0), FAR)
-            y = ti.select(exists, y0 + c * (numbers[b, region[3]] - y0), FAR)
-            size = ti.select(exists, r0 + e * (numbers[b, radius[1]] - r0), 0.0)
-            obstacles[r + OBSTACLE_X, i] = ti.select(fresh, x, obstacles[r + OBSTACLE_X, i])
-            obstacles[r + OBSTACLE_Y, i] = ti.select(fresh, y, obstacles[r + OBSTACLE_Y, i])
-            obstacles[r + OBSTACLE_RADIUS, i] = ti.select(fresh, size, obstacles[r + OBSTACLE_RADIUS, i])
+            x0, y0, r0 = numbers[n + region[0]], numbers[n + region[1]], numbers[n + radius[0]]
+            exists = numbers[n + at.obstacles.count] > ti.cast(i, types.real) + 0.5
+            x = ti.select(exists, x0 + a * (numbers[n + region[2]] - x0), FAR)
+            y = ti.select(exists, y0 + c * (numbers[n + region[3]] - y0), FAR)
+            size = ti.select(exists, r0 + e * (numbers[n + radius[1]] - r0), 0.0)
+            obstacles[at_obstacle + OBSTACLE_X] = ti.select(fresh, x, obstacles[at_obstacle + OBSTACLE_X])
+            obstacles[at_obstacle + OBSTACLE_Y] = ti.select(fresh, y, obstacles[at_obstacle + OBSTACLE_Y])
+            obstacles[at_obstacle + OBSTACLE_RADIUS] = ti.select(fresh, size, obstacles[at_obstacle + OBSTACLE_RADIUS])
 
     @ti.func
     def spawn(

@@ -5,7 +5,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm import contact, move, runtime, spawn
+from tiswarm import contact, move, observe, runtime, spawn
 from tiswarm.layout import (
     AGE,
     ALIVE_COUNT,
@@ -49,14 +49,13 @@ def kernel(structure: Structure) -> tuple[Any, Layout]:
 
 def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
     layout = Layout(structure, types.lanes)
-    structs = move.structs(types)
+    see = observe.build(layout, types)
     starts = spawn.build(layout, types)
-    judge = contact.build(layout, types, structs).judge
-    moves_of = move.build(layout, types, structs, starts.uniform)
-    lanes = types.lanes
+    judge = contact.build(layout, types, see).judge
+    moves_of = move.build(layout, types, see, starts.uniform)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
-    lane_array = types.lane_array(2)
+    flat = types.lane_array(1)
     integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
     whole = ti.types.ndarray(dtype=ti.i32, ndim=2)
 
@@ -86,7 +85,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
                 job = ti.atomic_add(queue[0], 1)
                 if job < queue[1]:
                     for column in range(columns):
-                        numbers[b, column][lane] = table[jobs[job, 0], column]
+                        numbers[b * columns + column][lane] = table[jobs[job, 0], column]
                     for k in range(CLOCK_ROWS):
                         clock[b, k][lane] = 0.0
                     clock[b, ON][lane] = 1.0
@@ -96,11 +95,11 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
 
     @ti.kernel
     def advance(
-        prey: lane_array,  # [block * row, agent]
-        predators: lane_array,  # [block * row, agent]
-        obstacles: lane_array,  # [block * row, obstacle]
-        numbers: lane_array,  # [block, column]
-        clock: lane_array,  # [block, row]
+        prey: flat,  # [block * agent * row]
+        predators: flat,  # [block * agent * row]
+        obstacles: flat,  # [block * obstacle * row]
+        numbers: flat,  # [block * column]
+        clock: types.lane_array(2),  # [block, row]
         integer: integer_array,  # [block, row]
         table: ti.types.ndarray(dtype=types.real, ndim=2),  # [row, column]
         jobs: whole,  # [job] -> row of the table, trial number

@@ -26,8 +26,17 @@ class Avoidance:
 
     @staticmethod
     @ti.func
-    def field(me, obstacle, target, weights):
-        """Give one obstacle's contribution to the agent's velocity, (x, y)."""
+    def reach(weights):
+        """Give the distance from an obstacle's edge at which its field ends [m]."""
+        return 0.0
+
+    @staticmethod
+    @ti.func
+    def field(x, y, distance2, me, obstacle, target, weights):
+        """Give one obstacle's contribution to the agent's velocity, (x, y), from r = (x, y), the way from its centre.
+
+        distance2: |r|², never quite 0. Lanes out of reach are dropped by the caller.
+        """
         return 0.0, 0.0
 
     @staticmethod

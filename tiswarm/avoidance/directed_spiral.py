@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
-from tiswarm.lanes import near, outward
 
 
 class Strategy(Avoidance):
@@ -21,13 +20,14 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(me, obstacle, target, weights):
-        x = me.x - obstacle.x
-        y = me.y - obstacle.y
-        distance2 = x * x + y * y
-        inside = near(distance2, obstacle.radius + weights.reach)
-        # (target - p)·(o - p) > 0, with o - p = -(x, y)
+    def reach(weights):
+        return weights.reach
+
+    @staticmethod
+    @ti.func
+    def field(x, y, distance2, me, obstacle, target, weights):
+        push = weights.push / distance2 + weights.swirl
+        # (target - p)·(o - p) > 0, with o - p = -r
         ahead = (target.x - me.x) * x + (target.y - me.y) * y < 0.0
-        push = inside * (outward(weights.push, distance2) + weights.swirl)
-        swirl = inside * ti.select(ahead, -1.0 * weights.swirl, weights.swirl)
+        swirl = ti.select(ahead, -1.0 * weights.swirl, weights.swirl)
         return push * x - swirl * y, push * y + swirl * x

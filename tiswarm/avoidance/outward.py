@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
-from tiswarm.lanes import near, outward
 
 
 class Strategy(Avoidance):
@@ -20,9 +19,11 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(me, obstacle, target, weights):
-        x = me.x - obstacle.x
-        y = me.y - obstacle.y
-        distance2 = x * x + y * y
-        push = near(distance2, obstacle.radius + weights.reach) * outward(weights.push, distance2)
+    def reach(weights):
+        return weights.reach
+
+    @staticmethod
+    @ti.func
+    def field(x, y, distance2, me, obstacle, target, weights):
+        push = weights.push / distance2
         return push * x, push * y

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
-from tiswarm.lanes import near, safe
 
 
 class Strategy(Avoidance):
@@ -20,10 +19,11 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(me, obstacle, target, weights):
-        x = me.x - obstacle.x
-        y = me.y - obstacle.y
-        distance2 = x * x + y * y
-        inside = near(distance2, obstacle.radius + weights.reach)
-        push = inside * weights.repel * (1.0 + obstacle.radius / ti.sqrt(safe(distance2)))
+    def reach(weights):
+        return weights.reach
+
+    @staticmethod
+    @ti.func
+    def field(x, y, distance2, me, obstacle, target, weights):
+        push = weights.repel * (1.0 + obstacle.radius / ti.sqrt(distance2))
         return push * x, push * y

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
-from tiswarm.lanes import near, outward
 
 
 class Strategy(Avoidance):
@@ -21,11 +20,11 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(me, obstacle, target, weights):
-        x = me.x - obstacle.x
-        y = me.y - obstacle.y
-        distance2 = x * x + y * y
-        inside = near(distance2, obstacle.radius + weights.reach)
-        push = inside * (outward(weights.push, distance2) + weights.swirl)
-        swirl = inside * weights.swirl
-        return push * x - swirl * y, push * y + swirl * x
+    def reach(weights):
+        return weights.reach
+
+    @staticmethod
+    @ti.func
+    def field(x, y, distance2, me, obstacle, target, weights):
+        push = weights.push / distance2 + weights.swirl
+        return push * x - weights.swirl * y, push * y + weights.swirl * x

@@ -6,7 +6,6 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
-from tiswarm.lanes import near
 
 
 class Strategy(Avoidance):
@@ -37,8 +36,9 @@ class Strategy(Avoidance):
         across = course.x * y - course.y * x
         along = course.x * x + course.y * y
         size = me.radius + obstacle.radius
-        hit = ti.select(across * across * distance2 <= size * size * along * along, 1.0, 0.0)
-        return hit * near(distance2, obstacle.radius + weights.lookahead)
+        lookahead = obstacle.radius + weights.lookahead
+        ahead = across * across * distance2 <= size * size * along * along
+        return ti.select(ahead & (distance2 <= lookahead * lookahead), 1.0, 0.0)
 
     @staticmethod
     @ti.func

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from tiswarm.lanes import unit
+from tiswarm.lanes import larger, unit
 from tiswarm.predators import Predator
 
 
@@ -16,8 +16,9 @@ class Strategy(Predator):
     def pursue(me, quarry, target, weights):
         ahead_x, ahead_y = unit(target.x - quarry.x, target.y - quarry.y)
         sight_x, sight_y = unit(quarry.x - me.x, quarry.y - me.y)
-        across = (quarry.vx * ahead_x + quarry.vy * ahead_y) * (ahead_x * sight_y - ahead_y * sight_x)
+        closing = (quarry.vx * ahead_x + quarry.vy * ahead_y) / me.max_speed
+        across = closing * (ahead_x * sight_y - ahead_y * sight_x)
         # Jumps make s exceed 1 in 2 % of trials, where the simulator gives NaN: clamped.
-        sine = ti.min(ti.sqrt(across * across) / me.max_speed, 1.0)
-        cosine = ti.sqrt(ti.max(1.0 - sine * sine, 0.0))
+        sine = ti.min(larger(across, -1.0 * across), 1.0)
+        cosine = ti.sqrt(larger(1.0 - sine * sine, 0.0))
         return cosine * sight_x - sine * sight_y, sine * sight_x + cosine * sight_y

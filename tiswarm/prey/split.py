@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.lanes import near
 from tiswarm.prey import Prey
 
 
@@ -30,19 +29,21 @@ class Strategy(Prey):
     @staticmethod
     @ti.func
     def mates(me, mate, weights):
-        return ti.select((me.number + mate.number) % 2 == 0, 1.0, 0.0)
+        return 1.0 - ((me.number ^ mate.number) & 1)
 
     @staticmethod
     @ti.func
     def observe(notes: ti.template(), me, mate, first, second, weights):
-        odd = ti.select(me.number % 2 == 1, 1.0, 0.0)
-        reference_x = odd * second.x + (1.0 - odd) * first.x
-        reference_y = odd * second.y + (1.0 - odd) * first.y
-        reference_alive = odd * second.alive + (1.0 - odd) * first.alive
-        other = ti.select(((me.number + mate.number) % 2 == 1) & (mate.number > 2), 1.0, 0.0)
-        seen = near((mate.x - reference_x) ** 2 + (mate.y - reference_y) ** 2, me.perception)
-        felt = near((mate.x - me.x) ** 2 + (mate.y - me.y) ** 2, weights.part_range)
-        counted = other * reference_alive * mate.alive * seen * felt
+        odd = me.number & 1
+        even = 1 - odd
+        from_x = mate.x - (odd * second.x + even * first.x)
+        from_y = mate.y - (odd * second.y + even * first.y)
+        to_x = mate.x - me.x
+        to_y = mate.y - me.y
+        seen = from_x * from_x + from_y * from_y <= me.perception * me.perception
+        felt = to_x * to_x + to_y * to_y <= weights.part_range * weights.part_range
+        other = ((me.number ^ mate.number) & 1) * ti.select(mate.number > 2, 1, 0)
+        counted = ti.select(seen & felt, other * mate.alive * (odd * second.alive + even * first.alive), 0.0)
         notes.n += counted
         notes.x += counted * mate.x
         notes.y += counted * mate.y
