@@ -1,0 +1,154 @@
+"""The caption: title, who plays, counters and a clock, beside or below the stage, never over the action."""
+
+import numpy as np
+
+from render.camera import Box, Layout
+from render.scene import Scene
+from render.shapes import Colour, boxes, capsules, colour, darts
+from render.text import Atlas, width, wrapped
+
+INSET = 28
+COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5), "strip": (0.34, 0.2, 0.26, 0.2)}
+"""Shares of the panel's width; title, legend, counters and clock are dealt to the columns in this order."""
+
+FATES = ("alive", "arrived", "captured", "crashed")
+ROW = 25
+
+
+class Panel:
+    """The caption of one scene."""
+
+    def __init__(self, scene: Scene, layout: Layout, atlas: Atlas):
+        """Place the blocks. The layout must have room for a panel."""
+        assert layout.panel is not None
+        self._scene, self._layout, self._atlas = scene, layout, atlas
+        self._unit, self._theme = layout.unit, scene.theme
+        inset = INSET * self._unit
+        box = layout.panel
+        right = box.right - (0 if layout.form == "side" else inset)
+        self._box = Box(box.left + inset, box.top + (inset if layout.form == "side" else 0), right, box.bottom - inset)
+        shares = COLUMNS[layout.form]
+        gap = inset if len(shares) > 1 else 0
+        edges = self._box.left + np.concatenate([[0], np.cumsum(shares)]) * (self._box.width + gap)
+        self._columns = [
+            Box(float(a), self._box.top, float(b) - gap, self._box.bottom) for a, b in zip(edges[:-1], edges[1:], strict=True)
+        ]
+        self._still: list[np.ndarray] = []
+        self._counted: list[int] = []  # counters change seldom: their shapes are kept until they do
+        self._counter_rows: list[np.ndarray] = []
+        pens = [self._box.top] * len(shares)
+        for n, block in enumerate((self._title, self._legend, self._counter_names)):
+            column = n * len(shares) // 4
+            pens[column] = block(self._columns[column], pens[column])
+
+    def ground(self) -> np.ndarray:
+        """Draw what stands still: title, source, legend, names of the counters, the track of the progress line."""
+        return np.concatenate([*self._still, self._progress(1.0, self._theme["line"], 0.25)])
+
+    def frame(self, time: float) -> np.ndarray:
+        """Draw what changes: counters, clock and progress."""
+        ticks = self._scene.paths.ticks
+        share = min(time / ticks, 1.0) if ticks else 1.0
+        return np.concatenate([*self._counters(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)])
+
+    def _px(self, units: float) -> int:
+        """Turn a size of type into whole pixels."""
+        return max(round(units * self._unit), 7)
+
+    def _write(self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False) -> np.ndarray:
+        return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
+
+    def _title(self, box: Box, y: float) -> float:
+        scenario = self._scene.recording.scenario
+        size = 19 if self._layout.form == "strip" else 21
+        for line in wrapped(scenario.title, self._px(size), int(box.width), 3 if self._layout.form == "strip" else 5):
+            y += size * 1.22 * self._unit
+            self._still.append(self._write(line, box.left, y, size, "ink"))
+        y += 6 * self._unit
+        for line in wrapped(scenario.source, self._px(12), int(box.width), 2) if scenario.source else ():
+            y += 19 * self._unit
+            self._still.append(self._write(line, box.left, y, 12, "quiet"))
+        recording = self._scene.recording
+        y += 18 * self._unit
+        self._still.append(self._write(f"trial {recording.trial} · seed {recording.seed}", box.left, y, 12, "quiet"))
+        return y + 22 * self._unit
+
+    def _legend(self, box: Box, y: float) -> float:
+        """Show prey and predators as they look on the stage, with their strategies."""
+        scenario, theme, unit = self._scene.recording.scenario, self._theme, self._unit
+        recording = self._scene.recording
+        for name, count, agents in (
+            ("prey", recording.prey.count, scenario.prey),
+            ("predator", recording.predators.count, scenario.predators),
+        ):
+            if not count:
+                continue
+            middle = np.array([[box.left + 10 * unit, y + 15 * unit]])
+            hue = colour(getattr(theme, name)[0])
+            if name == "prey":
+                self._still.append(capsules(middle + (3 * unit, 0), middle - (8 * unit, 0), 6 * unit, 1.3 * unit, hue))
+            else:
+                self._still.append(darts(middle, [[1, 0]], 9 * unit, 6.5 * unit, 6.5 * unit, hue))
+            x, room = box.left + 28 * unit, int(box.width - 28 * unit)
+            plural = "s" if name == "predator" and count != 1 else ""
+            how = agents.strategy + ("" if agents.avoidance == "none" else f" · {agents.avoidance}")
+            self._still.append(self._write(f"{count} {name}{plural}", x, y + 13 * unit, 15, "ink"))
+            self._still.append(self._write(wrapped(how, self._px(12), room, 1)[0], x, y + 30 * unit, 12, "quiet"))
+            y += 44 * unit
+        return y + 8 * unit
+
+    def _counter_names(self, box: Box, y: float) -> float:
+        self._counter_box = Box(box.left, y, box.right, box.bottom)
+        rows = [*FATES, "predators left"] if self._scene.recording.predators.count else FATES
+        for n, name in enumerate(rows):
+            base = y + (n * ROW + 14) * self._unit
+            self._still.append(self._write(name, box.left, base, 13, "quiet"))
+            self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
+        return y + len(rows) * ROW * self._unit
+
+    def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
+        """Draw a counter's bar below its name."""
+        box, unit = self._counter_box, self._unit
+        y = box.top + (row * ROW + 20) * unit
+        return boxes((box.left, y - unit), (box.left + share * box.width, y + unit), paint, alpha, corner=unit)
+
+    def _counters(self, time: float) -> list[np.ndarray]:
+        paths, recording, theme = self._scene.paths, self._scene.recording, self._theme
+        gone, prey = paths.end <= time, paths.is_prey
+        fates = paths.fate[gone & prey]
+        counts = [int((~gone & prey).sum()), *(int((fates == fate).sum()) for fate in FATES[1:])]
+        if recording.predators.count:
+            counts.append(int((~gone & ~prey).sum()))
+        if counts == self._counted:
+            return self._counter_rows
+        paints = [colour(theme.prey[0]), *(theme[fate] for fate in FATES[1:]), colour(theme.predator[0])]
+        totals = [recording.prey.count] * 4 + [recording.predators.count]
+        box, rows = self._counter_box, []
+        for n, (count, total, paint) in enumerate(zip(counts, totals, paints, strict=False)):
+            base = box.top + (n * ROW + 14) * self._unit
+            rows.append(self._write(str(count), box.right, base, 14, "ink" if count else "quiet", "right", tabular=True))
+            if count:
+                rows.append(self._bar(n, count / total, paint, 0.95))
+        self._counted, self._counter_rows = counts, rows
+        return rows
+
+    def _clock(self, time: float) -> list[np.ndarray]:
+        """Write the time in the world, and below it the tick."""
+        scenario, unit, ticks = self._scene.recording.scenario, self._unit, self._scene.paths.ticks
+        now = min(time, ticks)
+        box = self._columns[-1]
+        base = box.bottom - 30 * unit
+        digits = f"{now * scenario.world.dt:.1f}"
+        size = 40
+        end = box.left + width(digits, self._px(size), tabular=True)
+        return [
+            self._write(digits, box.left, base, size, "ink", tabular=True),
+            self._write("s", end + 6 * unit, base, 18, "quiet"),
+            self._write(f"tick {int(now)} of {ticks}", box.left, base + 20 * unit, 12, "quiet", tabular=True),
+        ]
+
+    def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
+        """Draw the thin line at the panel's foot."""
+        y, half = self._box.bottom + 6 * self._unit, self._unit
+        left, right = self._columns[0].left, self._columns[-1].right
+        return boxes((left, y - half), (left + (right - left) * share, y + half), paint, alpha, corner=half)

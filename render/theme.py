@@ -1,0 +1,132 @@
+"""Themes: every colour and stroke of the picture, one frozen dataclass a theme."""
+
+from dataclasses import dataclass
+
+from render.shapes import Colour, colour
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colours as "#rrggbb", opacities 0..1. Agents' colours follow Okabe and Ito, so that colour-blind viewers tell them apart."""
+
+    backdrop: str  # the frame around the world
+    world: str  # the world's floor
+    glow: str  # light in the middle of the floor
+    glow_alpha: float
+    line: str  # edge of the world, grid, rules of the panel
+    ink: str  # text that matters
+    quiet: str  # text that accompanies
+    prey: tuple[str, ...]  # the swarm, then its sub-swarms in turn
+    predator: tuple[str, ...]
+    alarm: str  # mixed into alarmed prey
+    target: str
+    obstacle: str
+    obstacle_light: str
+    shadow: str
+    shadow_alpha: float
+    arrived: str
+    captured: str
+    crashed: str
+    danger: str  # tint of an area to fear
+    safe: str  # tint of an area to rest in
+    tint_alpha: float
+    trail_alpha: float
+    outline: str  # thin edge that lifts agents off their trails
+    heat: tuple[str, str, str]  # density: sparse, middling, crowded
+
+    def __getitem__(self, name: str) -> Colour:
+        """Give a colour of the theme as linear light."""
+        return colour(getattr(self, name))
+
+
+DARK = Theme(
+    backdrop="#0a0e15",
+    world="#101722",
+    glow="#22344f",
+    glow_alpha=0.5,
+    line="#8fa3bf",
+    ink="#edf1f7",
+    quiet="#8492a8",
+    prey=("#5cc0f5", "#5cc0f5", "#dd93c4", "#f2e66b", "#58d6b0"),
+    predator=("#f26d2c", "#f2a12c", "#e8558a", "#d6c14a"),
+    alarm="#ffffff",
+    target="#27c498",
+    obstacle="#3d4a60",
+    obstacle_light="#6d7f9c",
+    shadow="#000000",
+    shadow_alpha=0.55,
+    arrived="#27c498",
+    captured="#f26d2c",
+    crashed="#f2d13e",
+    danger="#f26d2c",
+    safe="#27c498",
+    tint_alpha=0.009,
+    trail_alpha=0.55,
+    outline="#0a0e15",
+    heat=("#1d3b6e", "#3fa7d6", "#fff3b0"),
+)
+
+LIGHT = Theme(
+    backdrop="#ece9e2",
+    world="#f8f6f1",
+    glow="#ffffff",
+    glow_alpha=0.9,
+    line="#5a6472",
+    ink="#1b2430",
+    quiet="#6b7480",
+    prey=("#0072b2", "#0072b2", "#b0508c", "#8a7a00", "#008f68"),
+    predator=("#d55e00", "#c88600", "#b8215f", "#8f7a00"),
+    alarm="#00344f",
+    target="#009e73",
+    obstacle="#a9adb5",
+    obstacle_light="#d9dbdf",
+    shadow="#3a3226",
+    shadow_alpha=0.28,
+    arrived="#009e73",
+    captured="#d55e00",
+    crashed="#b8940b",
+    danger="#d55e00",
+    safe="#009e73",
+    tint_alpha=0.06,
+    trail_alpha=0.45,
+    outline="#f8f6f1",
+    heat=("#cfe3f2", "#3f8fc4", "#08306b"),
+)
+
+PRINT = Theme(
+    backdrop="#ffffff",
+    world="#ffffff",
+    glow="#ffffff",
+    glow_alpha=0.0,
+    line="#000000",
+    ink="#000000",
+    quiet="#555555",
+    prey=("#0072b2", "#0072b2", "#b0508c", "#7a6c00", "#007a59"),
+    predator=("#d55e00", "#a86f00", "#a01850", "#7a6c00"),
+    alarm="#00344f",
+    target="#009e73",
+    obstacle="#c8c8c8",
+    obstacle_light="#e4e4e4",
+    shadow="#000000",
+    shadow_alpha=0.0,
+    arrived="#009e73",
+    captured="#d55e00",
+    crashed="#9a7a00",
+    danger="#d55e00",
+    safe="#009e73",
+    tint_alpha=0.05,
+    trail_alpha=0.6,
+    outline="#ffffff",
+    heat=("#e0e0e0", "#808080", "#000000"),
+)
+
+THEMES = {"dark": DARK, "light": LIGHT, "print": PRINT}
+
+
+def theme_named(theme: str | Theme) -> Theme:
+    """Give a theme by name. Errors: ValueError."""
+    if isinstance(theme, Theme):
+        return theme
+    if theme not in THEMES:
+        raise ValueError(f"theme: unknown {theme!r}; use one of {', '.join(THEMES)}")
+    return THEMES[theme]
