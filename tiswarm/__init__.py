@@ -23,7 +23,21 @@ _HOMES = {
     "Recording": "recording",
 }
 
-__all__ = ["__version__", *_HOMES]  # noqa: PLE0604
+__all__ = [
+    "Estimate",
+    "Recording",
+    "Results",
+    "Scenario",
+    "ScenarioError",
+    "Start",
+    "__version__",
+    "add_path",
+    "compare",
+    "init",
+    "load",
+    "record",
+    "simulate",
+]
 
 if TYPE_CHECKING:
     from tiswarm.batch import simulate

@@ -15,8 +15,8 @@ from tiswarm.runtime import LANES
 from tiswarm.scenario import Scenario
 
 CHUNK = 16_384
-"""Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and what
-bounds the memory, since a trial in flight costs its outcomes, its place in the queue and, with weights of its own, its numbers."""
+"""Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
+of the memory, since a trial in flight costs its outcomes, its place in the queue and the numbers of its own."""
 
 NO_LIMIT = 2**31 - 1
 
@@ -30,7 +30,7 @@ class Blocks:
     """
 
     def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
-        """Allocate blocks for scenarios; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
+        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
         types = runtime.types()
         self.kernel, self.layout = trials.kernel(Structure.of(scenarios))
         self.blocks = blocks
@@ -83,7 +83,7 @@ def simulate(
     progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
     weights: path of any numeric key -> [trial], a number for each trial: {"prey.weights.evade": array}.
 
-    Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that the scenario does not allow.
+    Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that are not allowed.
     """
     _check_trials(trials)
     if weights:
@@ -118,16 +118,15 @@ def _run(
 ) -> list[Results]:
     rng.seed_words(seed)
     blocks = Blocks(scenarios, runtime.start().threads, counts)
-    shared = None if weights else blocks.layout.table(scenarios).astype(blocks.dtype)
+    table = blocks.layout.table(scenarios).astype(blocks.dtype)
     outcomes = np.zeros((len(scenarios) * count, len(trials.OUTCOMES)), np.int32)
     with reporting(progress, len(outcomes), "trials") as report:
         for first in range(0, len(outcomes), CHUNK):
             jobs = np.arange(first, min(first + CHUNK, len(outcomes)))
             if weights:
                 chunk = {path: np.asarray(values)[jobs] for path, values in weights.items()}
-                table, rows = blocks.layout.table(scenarios, chunk).astype(blocks.dtype), jobs - first
-            else:
-                table, rows = shared, jobs // count
+                table = blocks.layout.table(scenarios, chunk).astype(blocks.dtype)
+            rows = jobs - first if weights else jobs // count
             places = np.stack([rows, jobs % count], axis=1).astype(np.int32)
             blocks.advance(table, places, np.array([0, len(jobs)], np.int32), outcomes[jobs[0] : jobs[-1] + 1], seed, NO_LIMIT)
             report(int(jobs[-1]) + 1)

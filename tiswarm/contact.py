@@ -152,7 +152,13 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
 
     @ti.func
     def judge(
-        prey: ti.template(), predators: ti.template(), obstacles: ti.template(), numbers: ti.template(), clock: ti.template(), b, counts
+        prey: ti.template(),
+        predators: ti.template(),
+        obstacles: ti.template(),
+        numbers: ti.template(),
+        clock: ti.template(),
+        b,
+        counts,
     ):
         """Obstacles and the target kill, then pairs kill, then prey arrive; a start that has not moved is not judged.
 

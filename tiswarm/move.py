@@ -57,16 +57,15 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
                 for p in ti.static(choosy):
                     weights = see.weights_of(p, numbers, b)
                     chosen = p.strategy.mates(me, mate, weights)
-                    if ti.static(p.part.mixed):
-                        counts = counts * (1.0 - weights.on * (1.0 - chosen))
-                    else:
-                        counts = counts * chosen
+                    counts = counts * (1.0 - weights.on * (1.0 - chosen))
                 see_mate(mates, me, mate, counts, perception2, spacing2)
             # The loop has no branch that leaves the agent itself out: its distance is zero, so only these know.
             mates.n += -1.0 * me.alive
             mates.vx += -1.0 * me.alive * me.vx
             mates.vy += -1.0 * me.alive * me.vy
-            return flock(me, mates, numbers[n + columns.cohesion], numbers[n + columns.separation], numbers[n + columns.alignment])
+            return flock(
+                me, mates, numbers[n + columns.cohesion], numbers[n + columns.separation], numbers[n + columns.alignment]
+            )
 
         return steer_by_mates
 
@@ -196,7 +195,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         key_low,
         key_high,
     ):
-        """v += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11)."""
+        """V += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11)."""
         n = b * width
         swarm = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
@@ -240,7 +239,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         b,
         counts,
     ):
-        """v += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
+        """V += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
         n = b * width
         quarry = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)

@@ -37,7 +37,9 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     def limits_of(numbers: ti.template(), b, columns: ti.template()):
         n = b * width
         return see.Limits(
-            radius=numbers[n + columns.radius], perception=numbers[n + columns.perception], max_speed=numbers[n + columns.max_speed]
+            radius=numbers[n + columns.radius],
+            perception=numbers[n + columns.perception],
+            max_speed=numbers[n + columns.max_speed],
         )
 
     @ti.func
@@ -56,7 +58,9 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
 
     @ti.func
     def mate_at(agents: ti.template(), a, i):
-        return see.Mate(x=agents[a + X], y=agents[a + Y], vx=agents[a + VX], vy=agents[a + VY], alive=agents[a + ALIVE], number=i + 1)
+        return see.Mate(
+            x=agents[a + X], y=agents[a + Y], vx=agents[a + VX], vy=agents[a + VY], alive=agents[a + ALIVE], number=i + 1
+        )
 
     @ti.func
     def obstacle_at(obstacles: ti.template(), b, count, j):
@@ -76,4 +80,3 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     see.limits_of, see.me_at, see.mate_at, see.obstacle_at = limits_of, me_at, mate_at, obstacle_at
     see.target_of, see.weights_of = target_of, weights_of
     return see
-

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 def reporting(progress: bool | Callable[[int, int], None], total: int, unit: str) -> Iterator[Callable[[int], None]]:
     """Give a function that takes how much is done of `total`.
 
-    progress: True draws a bar on standard error if that is a terminal; a function is called with (done, total); False is silent.
+    progress: True draws a bar on standard error if that is a terminal; a function is called with (done, total).
     """
     if callable(progress):
         yield lambda done: progress(done, total)
@@ -17,7 +17,7 @@ def reporting(progress: bool | Callable[[int, int], None], total: int, unit: str
         with _bar(total, unit) as update:
             yield update
     else:
-        yield lambda done: None
+        yield lambda _done: None
 
 
 @contextmanager

@@ -78,8 +78,8 @@ class Recording:
         for kind in ("prey", "predators"):
             for field in fields(Swarm):
                 arrays[f"{kind}_{field.name}"] = getattr(getattr(self, kind), field.name)
-        with replacing(Path(path)) as part, open(part, "wb") as file:
-            np.savez_compressed(file, **arrays)
+        with replacing(Path(path)) as part, part.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)
         return Path(path)
 
     @classmethod
@@ -92,12 +92,15 @@ class Recording:
             with np.load(path, allow_pickle=False) as stored:
                 if not isinstance(stored, np.lib.npyio.NpzFile):
                     raise ValueError("not an .npz file")
-                swarms = [Swarm(*(stored[f"{kind}_{f.name}"] for f in fields(Swarm))) for kind in ("prey", "predators")]
+                prey, predators = (
+                    Swarm(*(stored[f"{kind}_{f.name}"] for f in fields(Swarm))) for kind in ("prey", "predators")
+                )
                 recording = cls(
                     Scenario.from_json(str(stored["scenario"])),
                     int(stored["seed"]),
                     int(stored["trial"]),
-                    *swarms,
+                    prey,
+                    predators,
                     stored["obstacle_position"],
                     stored["obstacle_radius"],
                 )

@@ -82,7 +82,7 @@ def load(kind: Kind, name: str) -> Any:
     file = _files(kind).get(name)
     if file is None:
         raise UnknownStrategy(f"unknown '{name}'; {nearest(name, names(kind))}")
-    module = _imported(kind, name, file)
+    module = _imported(kind, file)
     strategy = getattr(module, "Strategy", None)
     if not isinstance(strategy, type):
         raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
@@ -90,7 +90,7 @@ def load(kind: Kind, name: str) -> Any:
     return strategy
 
 
-def _imported(kind: Kind, name: str, file: Path | str) -> ModuleType:
+def _imported(kind: Kind, file: Path | str) -> ModuleType:
     if isinstance(file, str):
         return importlib.import_module(file.partition(":")[0])
     if file.parent.parent == Path(__file__).parent:

@@ -84,7 +84,7 @@ def start() -> Settings:
 
 
 def generation() -> int:
-    """Number the runtimes of this process: kernels built under an earlier one are gone."""
+    """Count the runtimes of this process so far: kernels built under an earlier one are gone."""
     start()
     return _generation
 

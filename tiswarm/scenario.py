@@ -128,7 +128,7 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
         if not isinstance(name, str):
             continue  # pydantic says what is wrong
         try:
-            known.update(registry.defaults(where, name))  # type: ignore[arg-type]
+            known.update(registry.defaults(where, name))
         except registry.UnknownStrategy as error:
             raise ScenarioError(f"{kind}.{key}: {error}") from None
     given = agents.get("weights", {})
@@ -164,11 +164,19 @@ class Predators(Agents):
     spawn: Spawn = Spawn(region=Box(low=(10.0, -7.5), high=(18.0, 0.5)))
 
 
+class Showcase(Part):
+    """The trial that `tiswarm demo` films."""
+
+    seed: Annotated[int, Field(strict=True, ge=0)] = 0
+    trial: Annotated[int, Field(strict=True, ge=0)] = 0
+
+
 class Scenario(Part):
     """A whole scenario: everything that a trial needs but its seed and number."""
 
     title: str = "Untitled"
     source: str = ""
+    showcase: Showcase = Showcase()
     world: World = World()
     target: Target = Target()
     obstacles: Obstacles = Obstacles()
@@ -199,18 +207,18 @@ class Scenario(Part):
 
     def to_toml(self) -> str:
         """Write the scenario as a preset, defaults filled in."""
-        import tomli_w
+        import tomlkit
 
-        return tomli_w.dumps(_plain(self))
+        return tomlkit.dumps(_plain(self))
 
     def hash(self) -> str:
-        """Name the scenario by what it computes: its title and source do not count."""
-        plain = {key: value for key, value in _plain(self).items() if key not in ("title", "source")}
+        """Name the scenario by what it computes: its title, source and showcase do not count."""
+        plain = {key: value for key, value in _plain(self).items() if key not in ("title", "source", "showcase")}
         return sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]
 
     def numbers(self) -> dict[str, float]:
         """Map the path of each numeric key to its value: "prey.weights.evade", "target.position.0", ..."""
-        return {path: float(value) for path, value in _leaves(_plain(self)) if isinstance(value, int | float)}
+        return {path: float(value) for path, value in _leaves(_plain(self)) if _is_number(path, value)}
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
         """Give the scenario with some keys changed. Errors: ScenarioError."""
@@ -226,6 +234,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(each) for each in value]
     return value
+
+
+def _is_number(path: str, value: Any) -> bool:
+    return isinstance(value, int | float) and not path.startswith(("showcase.", "world.areas."))
 
 
 def _leaves(value: Any, path: str = "") -> list[tuple[str, Any]]:
@@ -315,6 +327,11 @@ def presets() -> dict[str, Path]:
     folder = preset_folder()
     found = {file.relative_to(folder).with_suffix("").as_posix(): file for file in sorted(folder.glob("*/*.toml"))}
     return {name: file for name, file in found.items() if not name.startswith("studies/")}
+
+
+def study_names() -> list[str]:
+    """List the studies that ship with tiswarm."""
+    return sorted(file.stem for file in (preset_folder() / "studies").glob("*.toml"))
 
 
 def find(preset: str) -> Path:

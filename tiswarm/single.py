@@ -142,16 +142,16 @@ def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndar
         state[row, seen.any(axis=1)] = "alarmed"
         for name, memory in memories[row].items():
             if memory:
-                for label, members in registry.load(kind, name).states(memory, agents.weights).items():  # type: ignore[arg-type]
+                for label, members in registry.load(kind, name).states(memory, agents.weights).items():
                     state[row, members] = label
     return state
 
 
 def _groups(scenario: Scenario, kind: str, position: np.ndarray) -> np.ndarray:
-    """Number each agent's sub-swarm, -1 for a swarm that does not split."""
+    """Give each agent's sub-swarm, -1 for a swarm that does not split."""
     group = np.full(position.shape[:2], -1, np.int32)
-    for name in registry.parts(kind, getattr(scenario, kind).strategy):  # type: ignore[arg-type]
-        strategy = registry.load(kind, name)  # type: ignore[arg-type]
+    for name in registry.parts(kind, getattr(scenario, kind).strategy):
+        strategy = registry.load(kind, name)
         if hasattr(strategy, "group"):
             own = [strategy.group(number) for number in range(1, position.shape[1] + 1)]
             group = np.where(group < 0, own, group).astype(np.int32)

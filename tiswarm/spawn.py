@@ -83,7 +83,12 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
             for i in range(count):
                 at_agent = (b * count + i) * rows
                 a, c, e, f = uniform(key_low, key_high, trial, purpose, i, integers(ti.u32(0)))
-                x0, y0, u0, w0 = numbers[n + region[0]], numbers[n + region[1]], numbers[n + velocity[0]], numbers[n + velocity[1]]
+                x0, y0, u0, w0 = (
+                    numbers[n + region[0]],
+                    numbers[n + region[1]],
+                    numbers[n + velocity[0]],
+                    numbers[n + velocity[1]],
+                )
                 x = x0 + a * (numbers[n + region[2]] - x0)
                 y = y0 + c * (numbers[n + region[3]] - y0)
                 vx = u0 + e * (numbers[n + velocity[2]] - u0)

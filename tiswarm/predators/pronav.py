@@ -7,8 +7,9 @@ from tiswarm.predators import Predator
 
 
 class Strategy(Predator):
-    """Lupau 2022, section 6.3: the line of sight l, rotated anticlockwise by asin(s), s = |V × l|/max_speed with
-    V the part of the prey's mean velocity that leads to the target.
+    """Lupau 2022, section 6.3: the line of sight l to the prey's mean position, rotated anticlockwise by asin(s).
+
+    s = |V × l|/max_speed, V the part of the prey's mean velocity that leads to the target.
     """
 
     @staticmethod

@@ -39,7 +39,7 @@ class Prey:
 
     @staticmethod
     def group(number):
-        """Number the sub-swarm of agent 1, 2, ... for recordings; -1 when the swarm does not split."""
+        """Give the sub-swarm of agent 1, 2, ... for recordings; -1 when the swarm does not split."""
         return -1
 
     @staticmethod

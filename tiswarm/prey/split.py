@@ -8,8 +8,9 @@ from tiswarm.prey import Prey
 
 
 class Strategy(Prey):
-    """Lupau 2022, section 6.2, split: odd and even agents are no neighbours, and for `part_ticks` ticks each is pushed
-    away from m, the mean position of the other sub-swarm as its reference agent (2 for odd, 1 for even) sees it.
+    """Lupau 2022, section 6.2, split: odd and even agents are no neighbours, and at first each is pushed away from m.
+
+    m is the mean position of the other sub-swarm as its reference agent (2 for odd agents, 1 for even ones) sees it.
     """
 
     notes = ("n", "x", "y")

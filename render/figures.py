@@ -1,0 +1,76 @@
+"""Figures: plots of studies and results, for papers and pages. Needs matplotlib (pip install "tiswarm[plot]")."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+OURS = "#0072B2"  # Okabe-Ito blue and vermilion: apart for every kind of colour vision, and in grey
+PUBLISHED = "#D55E00"
+INK = "#333333"
+
+
+@dataclass(frozen=True)
+class Bars:
+    """One panel: means with 95 % intervals as bars, published means as marks (NaN where there is none)."""
+
+    title: str
+    axis: str
+    names: Sequence[str]
+    mean: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    published: np.ndarray
+
+
+def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str = "") -> Path:
+    """Draw panels side by side into one PNG; it appears whole or not at all.
+
+    Errors: ModuleNotFoundError when matplotlib is not installed.
+    """
+    import matplotlib as mpl
+
+    from tiswarm.files import replacing
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    style = {
+        "font.size": 9,
+        "axes.edgecolor": INK,
+        "text.color": INK,
+        "axes.labelcolor": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+    }
+    with plt.rc_context(style):
+        figure, axes = plt.subplots(1, len(panels), figsize=(4.1 * len(panels), 3.9), squeeze=False, layout="constrained")
+        for axis, panel in zip(axes[0], panels, strict=True):
+            _draw(axis, panel)
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+        figure.suptitle(f"{title}\n{note}" if note else title, fontsize=11)
+        with replacing(Path(path)) as part:
+            figure.savefig(part, dpi=160, format="png")
+        plt.close(figure)
+    return Path(path)
+
+
+def _draw(axis, panel: Bars) -> None:
+    place = np.arange(len(panel.names))
+    away = np.abs(np.stack([panel.mean - panel.low, panel.high - panel.mean]))
+    axis.bar(place, panel.mean, width=0.62, color=OURS, alpha=0.85, label="tiswarm, 95 % interval")
+    axis.errorbar(place, panel.mean, yerr=away, fmt="none", ecolor=INK, elinewidth=1.2, capsize=3)
+    if np.isfinite(panel.published).any():
+        axis.plot(
+            place, panel.published, linestyle="none", marker="D", markersize=6, color=PUBLISHED, mec="white", label="published"
+        )
+    axis.set_xticks(place, panel.names, rotation=35, ha="right", rotation_mode="anchor")
+    axis.set_ylabel(panel.axis)
+    axis.set_title(panel.title, fontsize=10)
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.yaxis.grid(True, color="#DDDDDD", linewidth=0.7)
+    axis.set_axisbelow(True)
+    axis.set_ylim(bottom=0)
