@@ -3,13 +3,38 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-_HOMES = {"film": "films", "FilmError": "encoder", "Theme": "theme", "THEMES": "theme"}
+_HOMES = {
+    "film": "films",
+    "frames": "films",
+    "poster": "films",
+    "sheet": "films",
+    "Film": "films",
+    "FilmError": "encoder",
+    "QUALITIES": "encoder",
+    "Look": "look",
+    "OVERLAYS": "look",
+    "Theme": "theme",
+    "THEMES": "theme",
+}
 
-__all__ = [*_HOMES]  # noqa: PLE0604
+__all__ = [
+    "OVERLAYS",
+    "QUALITIES",
+    "THEMES",
+    "Film",
+    "FilmError",
+    "Look",
+    "Theme",
+    "film",
+    "frames",
+    "poster",
+    "sheet",
+]
 
 if TYPE_CHECKING:
-    from render.encoder import FilmError
-    from render.films import film
+    from render.encoder import QUALITIES, FilmError
+    from render.films import Film, film, frames, poster, sheet
+    from render.look import OVERLAYS, Look
     from render.theme import THEMES, Theme
 
 

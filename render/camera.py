@@ -1,99 +1,30 @@
-"""Where things come to lie in a frame: the stage and the panel beside or below it, and the map from metres to pixels."""
+"""Cameras: maps from metres to pixels, and the people behind them who move them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from render.layout import Box
+from render.look import Look
 from render.motion import Motion
 
 MARGIN = 0.04
 """Free rim around what the camera shows, as a share of the stage's shorter edge."""
 
-ROOM = {"side": 290, "strip": 190, "pair": 300, "stack": 530}
-"""Room that the panel needs, in units of type: its width beside the stage; its height below it in four columns, two or one."""
+FOLLOWED = 0.5
+"""Share of the fitted view that a following camera shows."""
 
-SMALLEST_PANEL = 200
-"""Frames with a shorter edge [px] have no panel: type of that size cannot be read."""
+CALM = 12
+"""A following camera's path is smoothed over about this many ticks."""
 
-
-@dataclass(frozen=True)
-class Box:
-    """A rectangle: left, top, right, bottom [px], or its like in metres."""
-
-    left: float
-    top: float
-    right: float
-    bottom: float
-
-    @property
-    def width(self) -> float:
-        """Give its extent along x."""
-        return self.right - self.left
-
-    @property
-    def height(self) -> float:
-        """Give its extent along y."""
-        return self.bottom - self.top
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How a frame is divided.
-
-    unit: the size of type at 720 lines is one [px].
-    panel: None in frames too small for type. form: "side", or below in four columns ("strip"), two ("pair") or one ("stack").
-    """
-
-    size: tuple[int, int]
-    unit: float
-    stage: Box
-    panel: Box | None
-    form: str
-
-
-def layout(size: tuple[int, int], extent: tuple[float, float], *, caption: bool = True) -> Layout:
-    """Divide a frame so that a world of some extent [m] is drawn as large as possible.
-
-    caption: keep room for the panel.
-    """
-    width, height = size
-    unit = min(width, height) / 720
-    whole = Box(0, 0, width, height)
-    if not caption or min(size) < SMALLEST_PANEL:
-        return Layout(size, unit, whole, None, "side")
-    if height > 1.4 * width:
-        unit = min(width / 460, height / (ROOM["stack"] + 460 * extent[1] / extent[0]))
-        return _below(size, unit, "stack")
-    edge = ROOM["side"] * unit
-    side = Layout(size, unit, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")
-    below = _below(size, unit, "strip" if width > 1.4 * height else "pair")
-    return max(side, below, key=lambda each: min(each.stage.width / extent[0], each.stage.height / extent[1]))
-
-
-def _below(size: tuple[int, int], unit: float, form: str) -> Layout:
-    width, height = size
-    edge = height - ROOM[form] * unit
-    return Layout(size, unit, Box(0, 0, width, edge), Box(0, edge, width, height), form)
-
-
-def bounds(world: tuple[float, ...], paths: Motion, reach: float) -> Box:
-    """Give the box [m] of the world and of everything that moves, `reach` around it.
-
-    What strays farther than half the world's size from it is let go: the rest would become too small to see.
-    """
-    low, high = np.zeros(2), np.array(world[:2], float)
-    limit = (high - low) / 2
-    spots = paths.position[..., :2]
-    low = np.minimum(low, np.nanmin(spots, axis=(0, 1)) - reach)
-    high = np.maximum(high, np.nanmax(spots, axis=(0, 1)) + reach)
-    low = np.maximum(low, -limit)
-    high = np.minimum(high, np.array(world[:2]) + limit)
-    return Box(low[0], low[1], high[0], high[1])
+PITCH, TURN, DISTANCE = 0.42, 0.16, 2.6
+"""Orbit: angle above the ground [rad], angle per second of film [rad/s], distance in half diagonals of the world."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A map from metres, y upwards, to pixels, y downwards.
+    """A flat map from metres, y upwards, to pixels, y downwards.
 
     centre: the point [m] shown at `middle` [px]; scale: px/m.
     """
@@ -104,14 +35,135 @@ class Camera:
 
     def place(self, points: np.ndarray) -> np.ndarray:
         """Map points [..., dim] in metres to pixels [..., 2]."""
-        flat = np.asarray(points, float)[..., :2]
-        return np.array(self.middle) + (flat - self.centre) * (self.scale, -self.scale)
+        return np.array(self.middle) + (np.asarray(points, float)[..., :2] - self.centre) * (self.scale, -self.scale)
 
-    def turn(self, directions: np.ndarray) -> np.ndarray:
-        """Map directions [..., dim] to unit vectors on the screen [..., 2]; no direction at all points right."""
-        flat = np.asarray(directions, float)[..., :2] * (1.0, -1.0)
-        length = np.hypot(flat[..., 0], flat[..., 1])[..., None]
-        return np.where(length > 1e-12, flat / np.maximum(length, 1e-12), (1.0, 0.0))
+    def turn(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Map directions [..., dim] at points to unit vectors on the screen [..., 2]."""
+        del points
+        return _unit(directions[..., :2] * (1.0, -1.0))
+
+    def nearness(self, points: np.ndarray) -> np.ndarray:
+        """Give how much larger than at the centre things look: [...], 1 in a flat world."""
+        return np.ones(points.shape[:-1])
+
+
+@dataclass(frozen=True)
+class Orbit(Camera):
+    """A perspective view of a 3-D world. eye axes: right, up and forward, unit vectors [3, 3]; away: distance [m]."""
+
+    pivot: tuple[float, float, float]
+    axes: np.ndarray
+    away: float
+
+    def place(self, points: np.ndarray) -> np.ndarray:
+        """Map points [..., 3], or points on the ground [..., 2], to pixels [..., 2]."""
+        seen = self._seen(points)
+        return np.array(self.middle) + seen[..., :2] * (self.scale, -self.scale) * self._grown(seen)[..., None]
+
+    def turn(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Map directions to unit vectors on the screen, as perspective shows them."""
+        step = 1e-3 * directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-12)
+        return _unit((self.place(points + step) - self.place(points)) * 1e3)
+
+    def nearness(self, points: np.ndarray) -> np.ndarray:
+        """Give how much larger than at the pivot things look: [...]."""
+        return self._grown(self._seen(points))
+
+    def _seen(self, points: np.ndarray) -> np.ndarray:
+        points = np.asarray(points, float)
+        if points.shape[-1] == 2:
+            points = np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
+        return (points - self.pivot) @ self.axes.T
+
+    def _grown(self, seen: np.ndarray) -> np.ndarray:
+        return self.away / np.maximum(self.away + seen[..., 2], 0.05 * self.away)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """Scale vectors [..., 2] to length one; no direction at all points right."""
+    length = np.hypot(vectors[..., 0], vectors[..., 1])[..., None]
+    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), (1.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Operator:
+    """Who holds the camera: `at` gives it for a time [ticks]; a still one never moves."""
+
+    at: Callable[[float], Camera]
+    still: bool
+
+
+def bounds(world: tuple[float, ...], paths: Motion, reach: float, stray: float) -> Box:
+    """Give the box [m] of the world and of everything that moves, `reach` around it.
+
+    Who strays farther from the world than a share `stray` of its size is let go: the rest would become too small to see.
+    """
+    size = np.array(world[:2], float)
+    spots = paths.position[..., :2].reshape(-1, 2)
+    low = np.minimum(0, np.nanmin(spots, axis=0) - reach)
+    high = np.maximum(size, np.nanmax(spots, axis=0) + reach)
+    low, high = np.maximum(low, -stray * size), np.minimum(high, (1 + stray) * size)
+    return Box(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+def operator(look: Look, paths: Motion, view: Box, stage: Box) -> Operator:
+    """Choose who holds the camera. view: what "fit" shows [m]; stage: where on the screen.
+
+    Errors: ValueError when the agent to follow does not exist.
+    """
+    if not isinstance(look.camera, str):
+        (x0, y0), (x1, y1) = look.camera
+        box = fitted(Box(x0, y0, x1, y1), stage)
+        return Operator(lambda _: box, still=True)
+    kind, _, agent = look.camera.partition(":")
+    if kind == "orbit" or (kind == "fit" and paths.position.shape[2] == 3):
+        return _orbiting(look, paths, view, stage)
+    fit = fitted(view, stage)
+    if kind == "fit":
+        return Operator(lambda _: fit, still=True)
+    if agent and int(agent) >= paths.count:
+        raise ValueError(f"camera: no agent {agent} to follow; use 0 to {paths.count - 1}")
+    way = _calm_path(paths, int(agent) if agent else None)
+    rows = np.arange(len(way))
+
+    def follow(time: float) -> Camera:
+        centre = float(np.interp(time, rows, way[:, 0])), float(np.interp(time, rows, way[:, 1]))
+        return Camera(centre, fit.middle, fit.scale / FOLLOWED)
+
+    return Operator(follow, still=False)
+
+
+def _calm_path(paths: Motion, agent: int | None) -> np.ndarray:
+    """Smooth the path of an agent, or of the centre of the prey that are left: [tick, 2]."""
+    spots = paths.position[:, :, :2]
+    chosen = spots[:, : paths.prey] if agent is None else spots[:, agent : agent + 1]
+    there = np.isfinite(chosen[..., :1])
+    count = there.sum(axis=1)
+    mean = np.where(there, chosen, 0).sum(axis=1) / np.maximum(count, 1)
+    last = np.maximum.accumulate(np.where(count[:, 0] > 0, np.arange(len(mean)), 0))
+    way = mean[last]
+    weights = np.exp(-0.5 * (np.arange(-2 * CALM, 2 * CALM + 1) / (CALM / 2)) ** 2)
+    padded = np.pad(way, ((2 * CALM, 2 * CALM), (0, 0)), mode="edge")
+    return np.stack([np.convolve(padded[:, n], weights / weights.sum(), mode="valid") for n in range(2)], axis=1)
+
+
+def _orbiting(look: Look, paths: Motion, view: Box, stage: Box) -> Operator:
+    """Walk around the world, looking slightly down on it."""
+    heights = paths.position[..., 2] if paths.position.shape[2] == 3 else np.zeros(1)
+    top = float(np.nanmax(heights))
+    bottom = min(float(np.nanmin(heights)), 0.0)
+    pivot = (view.left + view.right) / 2, (view.top + view.bottom) / 2, (top + bottom) / 2
+    half = float(np.linalg.norm([view.width, view.height, top - bottom])) / 2
+    middle = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2
+    scale = 0.92 * min(stage.width / (2 * half), stage.height / (2 * half) * 1.25)
+
+    def orbit(time: float) -> Camera:
+        angle = 0.6 + time / look.speed * TURN
+        c, s, cp, sp = np.cos(angle), np.sin(angle), np.cos(PITCH), np.sin(PITCH)
+        axes = np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])
+        return Orbit((0, 0), middle, scale, pivot, axes, DISTANCE * half)
+
+    return Operator(orbit, still=False)
 
 
 def fitted(view: Box, stage: Box) -> Camera:

@@ -3,15 +3,16 @@
 The only file that knows it. It comes with imageio-ffmpeg; that package's own writer takes packed RGB only, this one planar YUV.
 """
 
-import fcntl
 import os
 import queue
+import shutil
 import signal
 import subprocess
 import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
@@ -24,11 +25,64 @@ QUEUE = 4
 
 PIPE = 1 << 20
 
-QUALITIES = {
-    "draft": ("-preset", "ultrafast", "-crf", "26"),
-    "good": ("-preset", "veryfast", "-crf", "19"),
-    "best": ("-preset", "slow", "-crf", "15"),
-}
+COLOURS = ("-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709")
+
+QUALITIES = ("draft", "good", "best")
+_H264 = (("-preset", "ultrafast", "-crf", "26"), ("-preset", "veryfast", "-crf", "19"), ("-preset", "slow", "-crf", "15"))
+_VP9 = (("8", "40"), ("5", "30"), ("2", "24"))  # effort (lower is more) and constant quality
+_GIF = (("1", "bayer:bayer_scale=5"), ("1", "bayer:bayer_scale=3"), ("1", "sierra2_4a"))
+_PNG = ("1", "6", "9")
+
+
+@dataclass(frozen=True)
+class Format:
+    """How frames are encoded.
+
+    yuv: they come as planar 4:2:0, else as RGB. fps: the usual rate. fastest: the highest rate.
+    output: the encoder's arguments. folder: what is written is a folder of images.
+    """
+
+    yuv: bool
+    fps: int
+    fastest: int
+    output: tuple[str, ...]
+    folder: bool = False
+
+
+def format_of(path: Path, quality: str) -> Format:
+    """Choose a format by the path's suffix: .mp4, .webm, .gif, or none for a folder of PNG images.
+
+    Errors: ValueError for another suffix or an unknown quality.
+    """
+    if quality not in QUALITIES:
+        raise ValueError(f"quality: unknown {quality!r}; use one of {', '.join(QUALITIES)}")
+    level = QUALITIES.index(quality)
+    match path.suffix.lower():
+        case ".mp4":
+            place = (
+                "-pix_fmt",
+                "yuv420p",
+                *COLOURS,
+                "-chroma_sample_location",
+                "center",
+                "-movflags",
+                "+faststart",
+                "-f",
+                "mp4",
+            )
+            return Format(True, 60, 1000, ("-c:v", "libx264", *_H264[level], *place))
+        case ".webm":
+            effort, constant = _VP9[level]
+            speed = ("-deadline", "good", "-cpu-used", effort, "-row-mt", "1", "-crf", constant, "-b:v", "0")
+            return Format(True, 60, 1000, ("-c:v", "libvpx-vp9", *speed, "-pix_fmt", "yuv420p", *COLOURS, "-f", "webm"))
+        case ".gif":
+            # A palette for each frame: one for all would need the whole film in memory first.
+            new, dither = _GIF[level]
+            palette = f"split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new={new}:dither={dither}"
+            return Format(False, 25, 50, ("-filter_complex", palette, "-loop", "0", "-f", "gif"))
+        case "":
+            return Format(False, 60, 1000, ("-c:v", "png", "-compression_level", _PNG[level], "-f", "image2"), folder=True)
+    raise ValueError(f"{path}: unknown format {path.suffix!r}; use .mp4, .webm, .gif, or no suffix for a folder of PNG images")
 
 
 class FilmError(RuntimeError):
@@ -38,13 +92,13 @@ class FilmError(RuntimeError):
 class Reel:
     """The way of frames to the encoder: blank buffers out, drawn ones in."""
 
-    def __init__(self, size: tuple[int, int]):
-        """Allocate the few buffers that go round."""
+    def __init__(self, length: int):
+        """Allocate the few buffers that go round, of `length` bytes."""
         self.broken = False
         self._drawn: queue.SimpleQueue[np.ndarray | None] = queue.SimpleQueue()
         self._spare: queue.SimpleQueue[np.ndarray] = queue.SimpleQueue()
         for _ in range(QUEUE):
-            self._spare.put(np.zeros(size[0] * size[1] * 3 // 2, np.uint8))
+            self._spare.put(np.zeros(length, np.uint8))
 
     def blank(self) -> np.ndarray:
         """Take a buffer to draw in; wait for one while the encoder is behind."""
@@ -62,11 +116,12 @@ class Reel:
 
     def feed(self, pipe: IO[bytes]) -> None:
         """Write drawn frames to the encoder until the end; once it is gone, only give the buffers back."""
-        if hasattr(fcntl, "F_SETPIPE_SZ"):
-            with suppress(OSError):  # a larger pipe saves wake-ups, nothing more
-                fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
+        with suppress(ImportError, AttributeError, OSError):  # a larger pipe saves wake-ups, nothing more
+            import fcntl
+
+            fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
         while (frame := self._drawn.get()) is not None:
-            rest = memoryview(frame)
+            rest = frame.data
             try:
                 while rest and not self.broken:
                     rest = rest[pipe.write(rest) :]
@@ -77,24 +132,32 @@ class Reel:
             pipe.close()
 
 
-class _Stopped(Exception):  # noqa: N818
+class _Stopped(Exception):
     """The encoder went away while frames were drawn."""
 
 
 @contextmanager
-def encoder(path: Path, size: tuple[int, int], fps: int, quality: tuple[str, ...], notes: dict[str, str]) -> Iterator[Reel]:
-    """Run an encoder that writes `path`; nothing is left under that name unless the whole film was written."""
+def encoder(path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str]) -> Iterator[Reel]:
+    """Run an encoder that writes `path`; nothing is left under that name unless the whole film was written.
+
+    Errors: FilmError, which gives the encoder's reason.
+    """
     with ExitStack() as stack:
         try:
-            part = stack.enter_context(replacing(path))
+            part = stack.enter_context(_replacing_folder(path) if form.folder else replacing(path))
             log = stack.enter_context(tempfile.TemporaryFile())
             # In a session of its own the encoder does not hear Ctrl-C: we end it, once, below.
             process = subprocess.Popen(
-                _command(part, size, fps, quality, notes), stdin=subprocess.PIPE, stdout=log, stderr=log, bufsize=0, start_new_session=True
+                _command(part / "frame-%05d.png" if form.folder else part, size, fps, form, notes),
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=log,
+                bufsize=0,
+                start_new_session=True,
             )
         except OSError as error:
             raise FilmError(f"{path}: cannot be written: {error.strerror or error}") from None
-        reel = Reel(size)
+        reel = Reel(size[0] * size[1] * 3 // (2 if form.yuv else 1))
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()
         try:
@@ -112,21 +175,36 @@ def encoder(path: Path, size: tuple[int, int], fps: int, quality: tuple[str, ...
             raise FilmError(f"{path}: the encoder failed: {_reason(process.returncode, log)}")
 
 
-def _command(part: Path, size: tuple[int, int], fps: int, quality: tuple[str, ...], notes: dict[str, str]) -> list[str]:
+@contextmanager
+def _replacing_folder(path: Path) -> Iterator[Path]:
+    """Give a temporary folder beside `path` that becomes `path` at the end, or vanishes on any error."""
+    if path.exists() and (not path.is_dir() or any(path.iterdir())):
+        raise FileExistsError(17, "is there already and not an empty folder")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
+    try:
+        yield part
+        part.chmod(0o755)
+        part.replace(path)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        raise
+
+
+def _command(part: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str]) -> list[str]:
     import imageio_ffmpeg
 
-    colours = ["-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]
-    raw = ["-f", "rawvideo", "-pix_fmt", "yuv420p", *colours, "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "pipe:0"]
-    h264 = ["-an", "-c:v", "libx264", *quality, "-pix_fmt", "yuv420p", *colours, "-chroma_sample_location", "center"]
+    pixels = ("-pix_fmt", "yuv420p", *COLOURS) if form.yuv else ("-pix_fmt", "rgb24")
+    raw = ("-f", "rawvideo", *pixels, "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "pipe:0", "-an")
     tags = [word for key, value in notes.items() for word in ("-metadata", f"{key}={value}")]
-    start = [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]
-    return [*start, *raw, *h264, *tags, "-movflags", "+faststart", "-f", "mp4", os.fspath(part)]
+    start = (imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-loglevel", "error", "-nostdin", "-y")
+    return [*start, *raw, *form.output, *tags, os.fspath(part)]
 
 
 def _reason(code: int, log: IO[bytes]) -> str:
     """Say why the encoder stopped: its last words, or the signal that ended it."""
-    log.seek(0)
-    words = log.read().decode(errors="replace").strip().splitlines()
     if code < 0:
         return f"ended by {signal.Signals(-code).name}"
+    log.seek(0)
+    words = log.read().decode(errors="replace").strip().splitlines()
     return words[-1] if words else f"exit code {code}"

@@ -1,50 +1,154 @@
-"""Films: frames rasterised on this thread while the encoder works on another."""
+"""Films, frames, posters and contact sheets of recordings."""
 
+import base64
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from render.encoder import QUALITIES, encoder
-from render.scene import Look
-from render.stage import Stage
-from render.theme import Theme, theme_named
+import numpy as np
+
+from render.encoder import FilmError, encoder, format_of
+from render.look import look_of
+from render.stage import Stage, Subject
+from tiswarm.files import replacing
 from tiswarm.recording import Recording
 
 Progress = Callable[[int, int], None]
 
 
+@dataclass(frozen=True)
+class Film(os.PathLike):
+    """A film that was written: its path, frame size [px], rate [1/s] and number of frames. A notebook shows it inline."""
+
+    path: Path
+    size: tuple[int, int]
+    fps: int
+    frames: int
+
+    def __fspath__(self) -> str:
+        return os.fspath(self.path)
+
+    def _repr_html_(self) -> str:
+        kind = {".webm": "video/webm", ".gif": "image/gif"}.get(self.path.suffix.lower(), "video/mp4")
+        if not self.path.is_file():
+            return f"<code>{self.path}</code>"
+        source = f"data:{kind};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
+        if kind.startswith("image"):
+            return f'<img src="{source}" width="{self.size[0]}">'
+        return f'<video src="{source}" width="{self.size[0]}" style="max-width:100%" controls loop></video>'
+
+
 def film(
-    recording: Recording,
+    subject: Subject,
     path: str | os.PathLike,
     size: tuple[int, int] = (1280, 720),
-    fps: int = 60,
+    fps: int | None = None,
     *,
-    speed: float = 10.0,
-    trail: float = 2.5,
-    theme: str | Theme = "dark",
     quality: str = "good",
+    labels: Sequence[str] | None = None,
     progress: Progress | None = None,
-) -> Path:
-    """Film a recording as an H.264 MP4; return its path.
+    **look: Any,
+) -> Film:
+    """Film a recording, or several side by side.
 
-    size: width and height [px], both even. speed: ticks per second of film. trail: how long trails last [s of film].
-    theme: "dark", "light", "print" or a Theme. quality: "draft", "good" or "best".
+    path: its suffix chooses the format: .mp4 (H.264), .webm (VP9), .gif, or none for a folder of PNG frames.
+    size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF.
+    quality: "draft", "good" or "best".
+    labels: names of several recordings, by default what tells them apart.
     progress: called with frames done and frames in all.
+    look: theme, speed, trail, camera, overlay, slow: see Look.
 
-    Errors: ValueError for a setting that is not possible; FilmError when the film cannot be written, and then no file is left.
+    Errors: ValueError or TypeError for a choice that is not possible; FilmError when the film cannot be written, and then
+    no file is left.
     """
-    if quality not in QUALITIES:
-        raise ValueError(f"quality: unknown {quality!r}; use one of {', '.join(QUALITIES)}")
-    checked_size(size, even=True)
-    stage = Stage(recording, size, theme_named(theme), Look(speed, trail), yuv=True)
-    times = stage.times(fps)
-    comment = f"{recording.scenario.title}; trial {recording.trial}, seed {recording.seed}"
-    with encoder(Path(path), size, fps, QUALITIES[quality], {"title": recording.scenario.title, "comment": comment}) as reel:
-        for n, time in enumerate(times):
+    target = Path(path)
+    form = format_of(target, quality)
+    fps = form.fps if fps is None else fps
+    if not 1 <= fps <= form.fastest:
+        raise ValueError(f"fps: {fps} is not possible; use 1 to {form.fastest}")
+    checked_size(size, even=form.yuv)
+    stage = Stage(subject, size, look_of(look), yuv=form.yuv, labels=labels)
+    moments = stage.times(fps)
+    with encoder(target, size, fps, form, _notes(stage)) as reel:
+        for n, time in enumerate(moments):
             reel.put(stage.frame(time, reel.blank()))
             if progress:
-                progress(n + 1, len(times))
-    return Path(path)
+                progress(n + 1, len(moments))
+    return Film(target, size, fps, len(moments))
+
+
+def frames(
+    subject: Subject, size: tuple[int, int] = (1280, 720), fps: int = 60, *, labels: Sequence[str] | None = None, **look: Any
+) -> Iterator[np.ndarray]:
+    """Yield a film's frames, one after the other: [y, x, channel] of uint8, each an array of its own.
+
+    Errors: ValueError or TypeError for a choice that is not possible, at once.
+    """
+    checked_size(size, even=False)
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
+    return (_image(stage, time, size) for time in stage.times(fps))
+
+
+def poster(
+    subject: Subject,
+    path: str | os.PathLike,
+    size: tuple[int, int] = (1280, 720),
+    *,
+    time: float | None = None,
+    labels: Sequence[str] | None = None,
+    **look: Any,
+) -> Path:
+    """Write one frame as an image; the path's suffix chooses the format. time [ticks]: by default the liveliest.
+
+    Errors: as `film`.
+    """
+    checked_size(size, even=False)
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
+    return _save(_image(stage, liveliest(stage) if time is None else time, size), Path(path))
+
+
+def sheet(
+    subject: Subject,
+    path: str | os.PathLike,
+    size: tuple[int, int] = (640, 360),
+    *,
+    shape: tuple[int, int] = (3, 4),
+    labels: Sequence[str] | None = None,
+    **look: Any,
+) -> Path:
+    """Write a contact sheet: `shape` = columns and rows of frames of `size`, evenly spread from the first to the last tick.
+
+    Errors: as `film`.
+    """
+    checked_size(size, even=False)
+    columns, rows = shape
+    if columns < 1 or rows < 1:
+        raise ValueError(f"shape: {columns}x{rows} is not possible; use 1 or more columns and rows")
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
+    last = max(scene.paths.ticks for scene in stage.scenes)
+    gap = max(min(size) // 40, 2)
+    paper = np.empty((rows * (size[1] + gap) + gap, columns * (size[0] + gap) + gap, 3), np.uint8)
+    paper[:] = [int(stage.scenes[0].theme.line[n : n + 2], 16) // 4 for n in (1, 3, 5)]
+    for n, time in enumerate(np.linspace(0, last, columns * rows)):
+        top, left = gap + n // columns * (size[1] + gap), gap + n % columns * (size[0] + gap)
+        paper[top : top + size[1], left : left + size[0]] = _image(stage, float(time), size)
+    return _save(paper, Path(path))
+
+
+def liveliest(stage: Stage) -> float:
+    """Find the time [ticks] at which most has happened lately while most agents are still there."""
+    scores = []
+    last = max(scene.paths.ticks for scene in stage.scenes)
+    moments = np.arange(last + 1)
+    for scene in stage.scenes:
+        paths = scene.paths
+        since = moments[:, None] - paths.end
+        events = ((since >= 0) * np.exp(-np.maximum(since, 0) / 6) * np.where(paths.is_prey, 2.0, 0.7)).sum(axis=1)
+        left = (moments[:, None] < paths.end).mean(axis=1)
+        scores.append((0.2 + events) * left)
+    return float(moments[np.sum(scores, axis=0).argmax()]) + 0.5
 
 
 def checked_size(size: tuple[int, int], *, even: bool) -> None:
@@ -53,4 +157,32 @@ def checked_size(size: tuple[int, int], *, even: bool) -> None:
         raise ValueError(f"size: {size[0]}x{size[1]} is not possible; use 16 to 16384 pixels each way")
     if even and any(edge % 2 for edge in size):
         near = "x".join(str(edge + edge % 2) for edge in size)
-        raise ValueError(f"size: {size[0]}x{size[1]} has an odd edge, which H.264 video cannot have; use {near}")
+        raise ValueError(f"size: {size[0]}x{size[1]} has an odd edge, which video cannot have; use {near}")
+
+
+def _image(stage: Stage, time: float, size: tuple[int, int]) -> np.ndarray:
+    return stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3)
+
+
+def _save(image: np.ndarray, path: Path) -> Path:
+    from PIL import Image
+
+    try:
+        with replacing(path) as part:
+            Image.fromarray(image).save(part)
+    except (OSError, ValueError) as error:
+        raise FilmError(f"{path}: cannot be written: {error}") from None
+    return path
+
+
+def _notes(stage: Stage) -> dict[str, str]:
+    """Say in the film's metadata where it comes from."""
+    recordings: list[Recording] = [scene.recording for scene in stage.scenes]
+    first = recordings[0]
+    trials = ", ".join(f"trial {each.trial} of seed {each.seed}" for each in recordings)
+    ways = ", ".join(dict.fromkeys(each.scenario.prey.strategy for each in recordings))
+    return {
+        "title": first.scenario.title,
+        "comment": f"{trials}; prey: {ways}; scenario {first.scenario.hash()}",
+        "artist": "tiswarm",
+    }

@@ -86,7 +86,9 @@ def motion(recording: Recording) -> Motion:
     period = np.array(world.size, float) if world.boundary == "periodic" else None
     position = np.concatenate([swarm.position for swarm in both], axis=1)
     slope = np.concatenate([swarm.velocity for swarm in both], axis=1) * world.dt
-    fate, state, group = (np.concatenate([getattr(swarm, name) for swarm in both], axis=-1) for name in ("fate", "state", "group"))
+    fate, state, group = (
+        np.concatenate([getattr(swarm, name) for swarm in both], axis=-1) for name in ("fate", "state", "group")
+    )
     ahead, coming = np.roll(position, -1, axis=0), np.roll(slope, -1, axis=0)
     ahead[-1], coming[-1] = position[-1], slope[-1]
     if period is not None:

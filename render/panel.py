@@ -1,8 +1,10 @@
 """The caption: title, who plays, counters and a clock, beside or below the stage, never over the action."""
 
+from itertools import pairwise
+
 import numpy as np
 
-from render.camera import Box, Layout
+from render.layout import Box, Layout
 from render.scene import Scene
 from render.shapes import Colour, boxes, capsules, colour, darts
 from render.text import Atlas, width, wrapped
@@ -30,9 +32,7 @@ class Panel:
         shares = COLUMNS[layout.form]
         gap = inset if len(shares) > 1 else 0
         edges = self._box.left + np.concatenate([[0], np.cumsum(shares)]) * (self._box.width + gap)
-        self._columns = [
-            Box(float(a), self._box.top, float(b) - gap, self._box.bottom) for a, b in zip(edges[:-1], edges[1:], strict=True)
-        ]
+        self._columns = [Box(float(a), self._box.top, float(b) - gap, self._box.bottom) for a, b in pairwise(edges)]
         self._still: list[np.ndarray] = []
         self._counted: list[int] = []  # counters change seldom: their shapes are kept until they do
         self._counter_rows: list[np.ndarray] = []
@@ -49,13 +49,17 @@ class Panel:
         """Draw what changes: counters, clock and progress."""
         ticks = self._scene.paths.ticks
         share = min(time / ticks, 1.0) if ticks else 1.0
-        return np.concatenate([*self._counters(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)])
+        return np.concatenate(
+            [*self._counters(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)]
+        )
 
     def _px(self, units: float) -> int:
         """Turn a size of type into whole pixels."""
         return max(round(units * self._unit), 7)
 
-    def _write(self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False) -> np.ndarray:
+    def _write(
+        self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False
+    ) -> np.ndarray:
         return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
 
     def _title(self, box: Box, y: float) -> float:
@@ -84,11 +88,11 @@ class Panel:
             if not count:
                 continue
             middle = np.array([[box.left + 10 * unit, y + 15 * unit]])
-            hue = colour(getattr(theme, name)[0])
+            right, hue = np.array([[unit, 0.0]]), colour(getattr(theme, name)[0])
             if name == "prey":
-                self._still.append(capsules(middle + (3 * unit, 0), middle - (8 * unit, 0), 6 * unit, 1.3 * unit, hue))
+                self._still.append(capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, hue))
             else:
-                self._still.append(darts(middle, [[1, 0]], 9 * unit, 6.5 * unit, 6.5 * unit, hue))
+                self._still.append(darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, hue))
             x, room = box.left + 28 * unit, int(box.width - 28 * unit)
             plural = "s" if name == "predator" and count != 1 else ""
             how = agents.strategy + ("" if agents.avoidance == "none" else f" · {agents.avoidance}")

@@ -1,53 +1,113 @@
-"""A stage: one recording on one canvas, with its camera and its caption."""
+"""A stage: one recording, or several side by side, on one canvas, with their cameras and captions."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
-from render.camera import bounds, fitted, layout
+from render.camera import Operator, bounds, operator
+from render.layout import Box, layout
+from render.look import Look
+from render.mosaic import Mosaic, cells, labels_of
 from render.panel import Panel
-from render.scene import Look, Scene
+from render.scene import Scene
+from render.shapes import clipped
 from render.text import Atlas
-from render.theme import Theme
+from render.timeline import times
 from tiswarm.recording import Recording
 
-HOLD = 1.0
-"""How long the last state stays on the screen [s]."""
+WIDE = 990
+"""Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
+
+STRAY, STRAY_TOGETHER = 0.35, 0.08
+"""How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared."""
+
+Subject = Recording | Sequence[Recording]
 
 
 class Stage:
-    """One recording on one canvas: the scene, its camera, its caption."""
+    """What a film of one recording, or of several, shows."""
 
-    def __init__(self, recording: Recording, size: tuple[int, int], theme: Theme, look: Look, *, yuv: bool):
-        """Lay the ground that every frame starts from."""
+    def __init__(self, subject: Subject, size: tuple[int, int], look: Look, *, yuv: bool, labels: Sequence[str] | None = None):
+        """Set everything up; a still camera's ground is laid once and for all.
+
+        labels: names of several recordings, by default what tells them apart.
+
+        Errors: ValueError for no recording, or another number of labels than recordings.
+        """
         from render.canvas import Canvas
 
-        if not look.speed > 0 or not look.trail >= 0:
-            raise ValueError("speed must be above 0 ticks per second, and trail 0 seconds or longer")
-        self._look = look
-        atlas = Atlas()
-        scenario = recording.scenario
-        plan = layout(size, scenario.world.size[:2])
-        self.scene = Scene(recording, theme, atlas, plan.unit, look)
-        reach = max(scenario.prey.radius, scenario.predators.radius)
-        view = bounds(scenario.world.size, self.scene.paths, reach)
-        plan = layout(size, (view.width, view.height))
-        self.camera = fitted(view, plan.stage)
-        self.panel = Panel(self.scene, plan, atlas) if plan.panel else None
-        self.canvas = Canvas(size, atlas, yuv=yuv)
-        rows = [self.scene.ground(self.camera)]
-        if self.panel:
-            rows.append(self.panel.ground())
-        self.canvas.lay(theme["backdrop"], np.concatenate(rows))
+        recordings = [subject] if isinstance(subject, Recording) else list(subject)
+        if not recordings:
+            raise ValueError("recordings: there are none; give one or more")
+        if labels is not None and len(labels) != len(recordings):
+            raise ValueError(f"labels: {len(labels)} do not fit {len(recordings)} recordings; give one each")
+        self._look, self._backdrop = look, look.colours["backdrop"]
+        self._atlas = Atlas(look.colours.type_weight)
+        self._views: list[tuple[Scene, Operator, Box]] = []
+        self._caption: Panel | Mosaic | None = None
+        if isinstance(subject, Recording):
+            self._single(subject, size)
+        else:
+            self._several(recordings, size, labels or labels_of(recordings))
+        self._still = all(held.still for _, held, _ in self._views)
+        self.canvas = Canvas(size, self._atlas, yuv=yuv)
+        if self._still:
+            self._lay(0.0)
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """List the scenes."""
+        return [scene for scene, _, _ in self._views]
 
     def times(self, fps: int) -> np.ndarray:
-        """List the frames' times [ticks], the hold at the end included."""
-        if fps < 1:
-            raise ValueError(f"fps: {fps} is not possible; use 1 or more")
-        frames = int(np.ceil(self.scene.paths.ticks / self._look.speed * fps)) + round(HOLD * fps)
-        return np.arange(frames) * (self._look.speed / fps)
+        """List the frames' times [ticks]; several recordings end with the longest."""
+        longest = max((scene.paths for scene in self.scenes), key=lambda paths: paths.ticks)
+        return times(longest, self._look.speed, fps, slow=self._look.slow)
 
     def frame(self, time: float, out: np.ndarray) -> np.ndarray:
         """Draw the frame of a time [ticks] into out."""
-        rows = [self.scene.frame(time, self.camera)]
-        if self.panel:
-            rows.append(self.panel.frame(time))
+        if not self._still:
+            self._lay(time)
+        rows = [_within(box, scene.frame(time, held.at(time))) for scene, held, box in self._views]
+        if self._caption:
+            rows.append(self._caption.frame(time))
         return self.canvas.draw(np.concatenate(rows), out)
+
+    def _lay(self, time: float) -> None:
+        rows = [_within(box, scene.ground(held.at(time))) for scene, held, box in self._views]
+        if self._caption:
+            rows.append(self._caption.ground())
+        self.canvas.lay(self._backdrop, np.concatenate(rows))
+
+    def _single(self, recording: Recording, size: tuple[int, int]) -> None:
+        unit = layout(size, recording.scenario.world.size[:2]).unit
+        scene = Scene(recording, self._look, self._atlas, unit)
+        view = _view([scene], STRAY)
+        plan = layout(size, (view.width, view.height))
+        self._views = [(scene, operator(self._look, scene.paths, view, plan.stage), plan.stage)]
+        if plan.panel:
+            self._caption = Panel(scene, plan, self._atlas)
+
+    def _several(self, recordings: list[Recording], size: tuple[int, int], labels: Sequence[str]) -> None:
+        unit = min(size) / 720
+        rough = cells(size, len(recordings), recordings[0].scenario.world.size[:2], unit)
+        small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
+        scenes = [Scene(recording, self._look, self._atlas, small) for recording in recordings]
+        view = _view(scenes, STRAY_TOGETHER)
+        places = cells(size, len(recordings), (view.width, view.height), unit)
+        self._views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
+        self._caption = Mosaic(scenes, places, labels, size, self._atlas, unit)
+
+
+def _view(scenes: list[Scene], stray: float) -> Box:
+    """Give the box [m] that holds the worlds of all scenes and whatever moves there."""
+    each = []
+    for scene in scenes:
+        scenario = scene.recording.scenario
+        each.append(bounds(scenario.world.size, scene.paths, max(scenario.prey.radius, scenario.predators.radius), stray))
+    return Box(min(b.left for b in each), min(b.top for b in each), max(b.right for b in each), max(b.bottom for b in each))
+
+
+def _within(box: Box, rows: np.ndarray) -> np.ndarray:
+    """Cut shapes to a part of the frame, so that what leaves a stage does not run into its neighbour's or into the panel."""
+    return clipped(rows, np.array([np.floor(box.left), np.floor(box.top), np.ceil(box.right), np.ceil(box.bottom)], np.float32))

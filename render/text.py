@@ -67,7 +67,9 @@ def _shortened(line: str, size: int, room: int) -> str:
 class Atlas:
     """Ink of the strings drawn so far: [y, x] of uint8; it grows downwards, so places stay valid."""
 
-    def __init__(self) -> None:
+    def __init__(self, weight: float = 1.0):
+        """Start empty. weight: power of the ink's coverage; below 1 makes type bolder."""
+        self._weight = weight
         self.ink = np.zeros((64, WIDTH), np.uint8)
         self._known: dict[tuple[str, int], tuple[int, ...]] = {}
         self._pen = [0, 0]  # where the next string goes
@@ -116,8 +118,9 @@ class Atlas:
             left, top, right, bottom = (int(v) for v in _face(size).getbbox(text, anchor="ls"))
             image = Image.new("L", (min(right - left, WIDTH), bottom - top))
             ImageDraw.Draw(image).text((-left, -top), text, fill=255, font=_face(size), anchor="ls")
+            ink = np.round(255 * (np.asarray(image) / 255) ** self._weight)
             place = self._room(image.width, image.height)
-            self.ink[place[1] : place[1] + image.height, place[0] : place[0] + image.width] = np.asarray(image)
+            self.ink[place[1] : place[1] + image.height, place[0] : place[0] + image.width] = ink
             self._known[key] = (*place, *image.size, left, top)
         return self._known[key]
 

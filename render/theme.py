@@ -7,7 +7,7 @@ from render.shapes import Colour, colour
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours as "#rrggbb", opacities 0..1. Agents' colours follow Okabe and Ito, so that colour-blind viewers tell them apart."""
+    """Colours as "#rrggbb", opacities 0..1. Agents' colours follow Okabe and Ito: colour-blind viewers tell them apart."""
 
     backdrop: str  # the frame around the world
     world: str  # the world's floor
@@ -32,6 +32,7 @@ class Theme:
     tint_alpha: float
     trail_alpha: float
     outline: str  # thin edge that lifts agents off their trails
+    type_weight: float  # power of the ink's coverage: dark type looks thin in linear light and needs less than 1
     heat: tuple[str, str, str]  # density: sparse, middling, crowded
 
     def __getitem__(self, name: str) -> Colour:
@@ -47,7 +48,7 @@ DARK = Theme(
     line="#8fa3bf",
     ink="#edf1f7",
     quiet="#8492a8",
-    prey=("#5cc0f5", "#5cc0f5", "#dd93c4", "#f2e66b", "#58d6b0"),
+    prey=("#5cc0f5", "#dd93c4", "#f2e66b", "#58d6b0"),
     predator=("#f26d2c", "#f2a12c", "#e8558a", "#d6c14a"),
     alarm="#ffffff",
     target="#27c498",
@@ -60,9 +61,10 @@ DARK = Theme(
     crashed="#f2d13e",
     danger="#f26d2c",
     safe="#27c498",
-    tint_alpha=0.009,
+    tint_alpha=0.006,
     trail_alpha=0.55,
     outline="#0a0e15",
+    type_weight=1.0,
     heat=("#1d3b6e", "#3fa7d6", "#fff3b0"),
 )
 
@@ -74,7 +76,7 @@ LIGHT = Theme(
     line="#5a6472",
     ink="#1b2430",
     quiet="#6b7480",
-    prey=("#0072b2", "#0072b2", "#b0508c", "#8a7a00", "#008f68"),
+    prey=("#0072b2", "#b0508c", "#8a7a00", "#008f68"),
     predator=("#d55e00", "#c88600", "#b8215f", "#8f7a00"),
     alarm="#00344f",
     target="#009e73",
@@ -88,8 +90,9 @@ LIGHT = Theme(
     danger="#d55e00",
     safe="#009e73",
     tint_alpha=0.06,
-    trail_alpha=0.45,
+    trail_alpha=0.7,
     outline="#f8f6f1",
+    type_weight=0.62,
     heat=("#cfe3f2", "#3f8fc4", "#08306b"),
 )
 
@@ -101,7 +104,7 @@ PRINT = Theme(
     line="#000000",
     ink="#000000",
     quiet="#555555",
-    prey=("#0072b2", "#0072b2", "#b0508c", "#7a6c00", "#007a59"),
+    prey=("#0072b2", "#b0508c", "#7a6c00", "#007a59"),
     predator=("#d55e00", "#a86f00", "#a01850", "#7a6c00"),
     alarm="#00344f",
     target="#009e73",
@@ -115,8 +118,9 @@ PRINT = Theme(
     danger="#d55e00",
     safe="#009e73",
     tint_alpha=0.05,
-    trail_alpha=0.6,
+    trail_alpha=0.75,
     outline="#ffffff",
+    type_weight=0.62,
     heat=("#e0e0e0", "#808080", "#000000"),
 )
 

@@ -1,0 +1,318 @@
+# mypy: disable-error-code="valid-type,index,operator"
+"""Rasterise shapes in linear light with Taichi kernels: signed distance, analytic coverage, one thread per tile.
+
+A tile is painted in scratch memory that stays in the nearest cache, eight pixels of a row at a time (lanes), then encoded into
+the bytes of the frame. Only tiles that a shape of the frame touches are painted; what stands still, the ground, is
+a copy. Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one
+is done on plain numbers, through a second view of the scratch memory.
+"""
+
+import numpy as np
+import taichi as ti
+
+from render.shapes import (
+    ALPHA,
+    BOUNDS,
+    CAPSULE,
+    DART,
+    GROUP,
+    KIND,
+    PAINT,
+    PLACE,
+    SIZE,
+    SOFT,
+    SPRITE,
+    STROKE,
+    TWEAK,
+    encoded,
+)
+from tiswarm import runtime
+
+TILE = 16
+"""Edge of a tile [px]: small enough that a dart wakes few pixels, large enough that a trail is binned into few tiles."""
+
+CHUNKS = 32
+"""Tiles are dealt to threads in this many interleaved sets, so that a crowded corner is shared."""
+
+LANES = runtime.LANES
+ACROSS = TILE // LANES
+AREA = TILE * ACROSS  # lanes of one plane of a tile
+MASK = 3  # plane of joined coverage in the scratch memory, after linear red, green and blue
+PLANES = 4
+CONSTANTS = 1 + AREA  # lanes ahead of the planes: 0 1 2 .. 7, then the dither pattern
+
+_TASK = runtime.TASK
+_LANE = ti.types.vector(LANES, ti.f32)
+_Lanes = ti.types.ndarray(dtype=_LANE, ndim=1)
+_Numbers = ti.types.ndarray(dtype=ti.f32, ndim=1)
+_Bytes = ti.types.ndarray(dtype=ti.u8, ndim=1)
+
+
+def _gamma_fit() -> tuple[float, ...]:
+    """Fit the sRGB curve above its linear foot by a polynomial in the square root of light: lanes have no power function."""
+    root = np.linspace(0.0031308**0.5, 1, 4000)
+    fit = np.polynomial.Chebyshev.fit(root, encoded(root**2), 7).convert(kind=np.polynomial.Polynomial)
+    return tuple(float(c) for c in fit.coef)
+
+
+_GAMMA = _gamma_fit()
+
+
+@ti.func
+def _saturated(x):
+    return ti.min(ti.max(x, ti.f32(0.0)), ti.f32(1.0))
+
+
+@ti.func
+def _magnitude(x):
+    return ti.max(x, ti.f32(0.0) - x)
+
+
+@ti.func
+def _edge_distance2(u, v, au, av, bu, bv):
+    """Squared distance of the points (u, v) from the segment a-b."""
+    eu, ev = bu - au, bv - av
+    h = _saturated(((u - au) * eu + (v - av) * ev) * (ti.f32(1.0) / ti.max(eu * eu + ev * ev, ti.f32(1e-12))))
+    du, dv = u - au - h * eu, v - av - h * ev
+    return du * du + dv * dv
+
+
+@ti.func
+def _dart_distance(u, v, length, width, notch):
+    """Signed distance from a swept dart: nose at (length, 0), wing tips at (-length, ±width), notch at (notch - length, 0)."""
+    v = _magnitude(v)
+    nothing = ti.f32(0.0)
+    d = ti.sqrt(
+        ti.min(
+            _edge_distance2(u, v, length, nothing, nothing - length, width),
+            _edge_distance2(u, v, nothing - length, width, notch - length, nothing),
+        )
+    )
+    under_wing = (length - u) * width - v * (ti.f32(2.0) * length)
+    before_tail = (u + length) * width - (width - v) * notch
+    return ti.select(ti.min(under_wing, before_tail) > ti.f32(0.0), nothing - d, d)
+
+
+@ti.func
+def _coverage(shapes: ti.template(), n: ti.i32, x, y: ti.f32):
+    """Share of the pixels centred at (x, y) that shape n covers, times its opacity there."""
+    kind = ti.cast(shapes[n, KIND], ti.i32)
+    ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    p, q, tweak = shapes[n, SIZE], shapes[n, SIZE + 1], shapes[n, TWEAK]
+    stroke = shapes[n, STROKE]
+    nothing = x * ti.f32(0.0)
+    d, along, most = nothing, nothing, nothing + ti.f32(1.0)
+    if kind == CAPSULE:
+        ex, ey = bx - ax, by - ay
+        along = _saturated(((x - ax) * ex + (y - ay) * ey) * (ti.f32(1.0) / ti.max(ex * ex + ey * ey, ti.f32(1e-12))))
+        dx, dy = x - ax - along * ex, (y - ay) - along * ey
+        radius = p + along * (q - p)
+        d = ti.sqrt(dx * dx + dy * dy) - radius
+        if stroke == ti.f32(0.0):
+            most = ti.min(ti.f32(2.0) * radius, most)
+    elif kind == DART:
+        d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
+    else:
+        dx = _magnitude(x - ax) - p + tweak
+        dy = ti.max(y - ay, ay - y) - q + tweak
+        ox, oy = ti.max(dx, ti.f32(0.0)), ti.max(dy, ti.f32(0.0))
+        d = ti.sqrt(ox * ox + oy * oy) + ti.min(ti.max(dx, dy), ti.f32(0.0)) - tweak
+        along = nothing + _saturated((y - ay + q) / ti.max(ti.f32(2.0) * q, ti.f32(1e-6)))
+    if stroke > ti.f32(0.0):
+        d = _magnitude(d) - stroke
+        most = ti.min(ti.f32(2.0) * stroke, most)
+    opacity = shapes[n, ALPHA] + along * (shapes[n, ALPHA + 1] - shapes[n, ALPHA])
+    return ti.min(_saturated(ti.f32(0.5) - d * (ti.f32(1.0) / shapes[n, SOFT])), most) * opacity
+
+
+@ti.func
+def _blend(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32, cover):
+    for c in range(3):
+        under = lanes[place + c * AREA]
+        lanes[place + c * AREA] = under + cover * (shapes[n, PAINT + c] - under)
+
+
+@ti.func
+def _paint_sprite(
+    shapes: ti.template(),
+    n: ti.i32,
+    atlas: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    left,
+    top,
+    right,
+    bottom,
+    x0,
+    y0,
+):
+    """Blend a piece of the atlas; `place` is the tile's first number in the scratch memory."""
+    shift_x = ti.cast(shapes[n, PLACE + 2] - shapes[n, PLACE], ti.i32)
+    shift_y = ti.cast(shapes[n, PLACE + 3] - shapes[n, PLACE + 1], ti.i32)
+    for y in range(top, bottom):
+        for x in range(left, right):
+            cover = ti.cast(atlas[y + shift_y, x + shift_x], ti.f32) * (ti.f32(1.0 / 255.0) * shapes[n, ALPHA])
+            for c in range(3):
+                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
+                numbers[spot] += (shapes[n, PAINT + c] - numbers[spot]) * cover
+
+
+@ti.func
+def _paint_shape(
+    shapes: ti.template(), n: ti.i32, atlas: ti.template(), lanes: ti.template(), numbers: ti.template(), place: ti.i32, x0, y0
+):
+    """Blend shape n into a tile; a grouped shape only raises the mask. `place` is the tile's first lane."""
+    left = ti.max(ti.cast(shapes[n, BOUNDS], ti.i32), x0)
+    top = ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32), y0)
+    right = ti.min(ti.cast(shapes[n, BOUNDS + 2], ti.i32), x0 + TILE)
+    bottom = ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32), y0 + TILE)
+    if ti.cast(shapes[n, KIND], ti.i32) == SPRITE:
+        _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
+    else:
+        for y in range(top, bottom):
+            for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
+                x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
+                cover = _coverage(shapes, n, x, ti.cast(y, ti.f32) + ti.f32(0.5))
+                spot = place + (y - y0) * ACROSS + column
+                if shapes[n, GROUP] > ti.f32(0.0):
+                    lanes[spot + MASK * AREA] = ti.max(lanes[spot + MASK * AREA], cover)
+                else:
+                    _blend(shapes, n, lanes, spot, cover)
+
+
+@ti.func
+def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32):
+    """Blend what the group of shape n left in the mask, and clear it."""
+    for spot in range(place, place + AREA):
+        cover = lanes[spot + MASK * AREA]
+        _blend(shapes, n, lanes, spot, cover)
+        lanes[spot + MASK * AREA] = ti.f32(0.0) * cover
+
+
+@ti.func
+def _encoded(light):
+    """Gamma-encode linear light."""
+    x = _saturated(light)
+    root = ti.sqrt(x)
+    curve = root * ti.f32(_GAMMA[7])
+    for power in ti.static(range(6, 0, -1)):
+        curve = (curve + ti.f32(_GAMMA[power])) * root
+    return ti.select(x < ti.f32(0.0031308), x * ti.f32(12.92), curve + ti.f32(_GAMMA[0]))
+
+
+@ti.func
+def _write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, y1):
+    """Write packed red, green and blue bytes of a tile whose planes hold encoded colours."""
+    for spot in range(place, place + 3 * AREA):
+        lanes[spot] = ti.min(lanes[spot] * ti.f32(255.0) + lanes[1 + (spot - place) % AREA], ti.f32(255.0))
+    for y in range(y0, y1):
+        for x in range(x0, x1):
+            for c in range(3):
+                number = numbers[place * LANES + c * TILE * TILE + (y - y0) * TILE + x - x0]
+                out[(y * width + x) * 3 + c] = ti.cast(number, ti.u8)
+
+
+@ti.func
+def _write_yuv(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, height, x0, y0, x1, y1):
+    """Write planar Y'CbCr 4:2:0, BT.709, limited range; one chroma sample stands for the mean of its four pixels."""
+    for spot in range(place, place + AREA):
+        red, green, blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
+        luma = red * ti.f32(0.2126) + green * ti.f32(0.7152) + blue * ti.f32(0.0722)
+        lanes[spot] = luma * ti.f32(219.0) + (lanes[1 + spot - place] + ti.f32(16.0))
+        lanes[spot + AREA] = (blue - luma) * ti.f32(56.0 / 1.8556)
+        lanes[spot + 2 * AREA] = (red - luma) * ti.f32(56.0 / 1.5748)
+    for y in range(y0, y1):
+        for x in range(x0, x1):
+            out[y * width + x] = ti.cast(numbers[place * LANES + (y - y0) * TILE + x - x0], ti.u8)
+    for c in range(2):
+        for y in range(y0 // 2, y1 // 2):
+            for x in range(x0 // 2, x1 // 2):
+                spot = (place + (1 + c) * AREA) * LANES + (2 * y - y0) * TILE + 2 * x - x0
+                four = numbers[spot] + numbers[spot + 1] + numbers[spot + TILE] + numbers[spot + TILE + 1]
+                out[height * width * (4 + c) // 4 + y * (width // 2) + x] = ti.cast(ti.f32(128.5) + four, ti.u8)
+
+
+@ti.func
+def _tile_of(pixel: ti.f32) -> ti.i32:
+    """Give the tile, along one axis, of a pixel inside the frame."""
+    return ti.cast(pixel, ti.i32) // TILE
+
+
+@ti.func
+def _bin(shapes: ti.template(), count: ti.i32, bins: ti.template(), columns: ti.i32, rows: ti.i32):
+    """List for each tile, in drawing order, the shapes whose bounds meet it: bins = starts of the tiles, end, entries."""
+    tiles = columns * rows
+    for tile in range(tiles + 1):
+        bins[tile] = 0
+    for n in range(count):
+        left, top = _tile_of(shapes[n, BOUNDS]), _tile_of(shapes[n, BOUNDS + 1])
+        right, bottom = _tile_of(shapes[n, BOUNDS + 2] - ti.f32(1.0)), _tile_of(shapes[n, BOUNDS + 3] - ti.f32(1.0))
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                bins[row * columns + column] += 1
+    for tile in range(tiles):
+        bins[tile + 1] += bins[tile]
+    for back in range(count):
+        n = count - 1 - back
+        left, top = _tile_of(shapes[n, BOUNDS]), _tile_of(shapes[n, BOUNDS + 1])
+        right, bottom = _tile_of(shapes[n, BOUNDS + 2] - ti.f32(1.0)), _tile_of(shapes[n, BOUNDS + 3] - ti.f32(1.0))
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                tile = row * columns + column
+                bins[tile] -= 1
+                bins[tiles + 1 + bins[tile]] = n
+
+
+@ti.kernel
+def paint(
+    shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
+    count: ti.i32,
+    atlas: ti.types.ndarray(dtype=ti.u8, ndim=2),
+    bins: ti.types.ndarray(dtype=ti.i32, ndim=1),
+    ground: _Lanes,
+    lanes: _Lanes,
+    numbers: _Numbers,
+    out: _Bytes,
+    width: ti.i32,
+    height: ti.i32,
+    laying: ti.i32,
+    as_yuv: ti.template(),
+):
+    """Paint the tiles that shapes touch over the ground and write their bytes; when laying, paint all and keep them as ground.
+
+    lanes and numbers are two views of the scratch memory.
+    """
+    for _ in range(1):
+        _bin(shapes, count, bins, (width + TILE - 1) // TILE, (height + TILE - 1) // TILE)
+    for index in range(CHUNKS * _TASK):
+        if index % _TASK == 0:
+            columns, rows = (width + TILE - 1) // TILE, (height + TILE - 1) // TILE
+            tiles = columns * rows
+            chunk = index // _TASK
+            place = CONSTANTS + chunk * PLANES * AREA
+            for step in range((tiles - chunk + CHUNKS - 1) // CHUNKS):
+                tile = step * CHUNKS + chunk
+                start, end = bins[tile], bins[tile + 1]
+                if end > start or laying > 0:
+                    x0, y0 = tile % columns * TILE, tile // columns * TILE
+                    for spot in range(3 * AREA):
+                        lanes[place + spot] = ground[tile * 3 * AREA + spot]
+                    joined = -1  # a shape of the group whose coverage the mask holds
+                    for entry in range(start, end + 1):
+                        n = ti.select(entry < end, bins[tiles + 1 + entry], -1)
+                        group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
+                        if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
+                            _paint_mask(shapes, joined, lanes, place)
+                        if n >= 0:
+                            _paint_shape(shapes, n, atlas, lanes, numbers, place, x0, y0)
+                        joined = ti.select(group > ti.f32(0.0), n, -1)
+                    if laying > 0:
+                        for spot in range(3 * AREA):
+                            ground[tile * 3 * AREA + spot] = lanes[place + spot]
+                    for spot in range(place, place + 3 * AREA):
+                        lanes[spot] = _encoded(lanes[spot])
+                    x1, y1 = ti.min(x0 + TILE, width), ti.min(y0 + TILE, height)
+                    if ti.static(as_yuv):
+                        _write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, y1)
+                    else:
+                        _write_rgb(lanes, numbers, place, out, width, x0, y0, x1, y1)
