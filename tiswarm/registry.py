@@ -82,12 +82,39 @@ def load(kind: Kind, name: str) -> Any:
     file = _files(kind).get(name)
     if file is None:
         raise UnknownStrategy(f"unknown '{name}'; {nearest(name, names(kind))}")
+    if isinstance(file, Path):
+        _check_lanes(file)
     module = _imported(kind, file)
     strategy = getattr(module, "Strategy", None)
     if not isinstance(strategy, type):
         raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
     strategy.name = name  # type: ignore[attr-defined]
     return strategy
+
+
+_NO_LANES = ("abs", "acos", "asin", "atan2", "cos", "exp", "log", "rsqrt", "sin", "tan", "tanh")
+"""What Taichi 1.7.4 cannot do with a vector of lanes: it does not complain, it ends the process."""
+
+
+def _check_lanes(file: Path) -> None:
+    """Refuse what would end the process when its kernel is compiled. Errors: ValueError that names the line and the mend."""
+    for func in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
+            continue
+        for node in ast.walk(func):
+            mend = None
+            if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
+                mend = "lanes cannot be negated: write 0.0 - x"
+            elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Sub):
+                mend = "lanes cannot be decremented in place: write x = x - y"
+            elif isinstance(node, ast.Call) and _is_ti(node.func, _NO_LANES):
+                mend = f"lanes have no {ast.unparse(node.func)}: see CONTRIBUTING, 'Write a term in lanes'"
+            if mend:
+                raise ValueError(f"{file}:{node.lineno}: {mend}")
+
+
+def _is_ti(node: ast.AST, names: tuple[str, ...]) -> bool:
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ti" and node.attr in names
 
 
 def _imported(kind: Kind, file: Path | str) -> ModuleType:

@@ -184,7 +184,7 @@ def _shifted(report: Callable[[int], None], before: int) -> Callable[[int, int],
 
 
 def _published(study: Study, folder: Path) -> dict[tuple[str, str], dict[str, float]]:
-    """Read the published means: (table, row) -> measure -> mean. Errors: ScenarioError for a file that does not fit the study."""
+    """Read the published means: (table, row) -> measure -> mean. Errors: ScenarioError for a file that does not fit."""
     if study.published is None:
         return {}
     path = folder / study.published.file

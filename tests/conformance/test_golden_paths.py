@@ -36,7 +36,9 @@ def _single(file: Path) -> tuple[Single, dict[str, np.ndarray]]:
     study, algorithm, _ = file.stem.split("__")
     golden = dict(np.load(file))
     about_avoidance = study.startswith("obstacle")
-    key, value = ("prey.avoidance", AVOIDANCES[algorithm]) if about_avoidance else ("prey.strategy", algorithm.replace("_", "-"))
+    key, value = (
+        ("prey.avoidance", AVOIDANCES[algorithm]) if about_avoidance else ("prey.strategy", algorithm.replace("_", "-"))
+    )
     start = tiswarm.Start(
         golden["prey_position"][0],
         golden["prey_velocity"][0],
@@ -76,7 +78,9 @@ def test_a_free_run_agrees_for_the_first_80_ticks(file, f64):
     for tick in range(min(FREE_TICKS, int(golden["ticks"]))):
         single.step()
         for name, kind in KINDS.items():
-            assert _largest_difference(single.position(kind), golden[f"{name}_position"][tick + 1]) < 1e-6, f"{kind} after tick {tick}"
+            assert _largest_difference(single.position(kind), golden[f"{name}_position"][tick + 1]) < 1e-6, (
+                f"{kind} after tick {tick}"
+            )
 
 
 def test_the_golden_files_are_all_there():
