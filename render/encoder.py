@@ -5,6 +5,7 @@ The only file that knows it. It comes with imageio-ffmpeg; that package's own wr
 
 import os
 import queue
+import re
 import shutil
 import signal
 import subprocess
@@ -204,7 +205,7 @@ def _command(part: Path, size: tuple[int, int], fps: int, form: Format, notes: d
 def _reason(code: int, log: IO[bytes]) -> str:
     """Say why the encoder stopped: its last words, or the signal that ended it."""
     if code < 0:
-        return f"ended by {signal.Signals(-code).name}"
+        return f"it was ended by {signal.Signals(-code).name} ({signal.strsignal(-code)})"
     log.seek(0)
     words = log.read().decode(errors="replace").strip().splitlines()
-    return words[-1] if words else f"exit code {code}"
+    return re.sub(r"^\[.*?\] ", "", words[-1]) if words else f"exit code {code}"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.camera import Operator, bounds, operator
+from render.camera import Operator, bounds, fitted, operator
 from render.layout import Box, layout
 from render.look import Look
 from render.mosaic import Mosaic, cells, labels_of
@@ -18,7 +18,7 @@ from tiswarm.recording import Recording
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
 
-STRAY, STRAY_TOGETHER = 0.35, 0.08
+STRAY, STRAY_TOGETHER = 0.25, 0.08
 """How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared."""
 
 Subject = Recording | Sequence[Recording]
@@ -43,13 +43,13 @@ class Stage:
             raise ValueError(f"labels: {len(labels)} do not fit {len(recordings)} recordings; give one each")
         self._look, self._backdrop = look, look.colours["backdrop"]
         self._atlas = Atlas(look.colours.type_weight)
-        self._views: list[tuple[Scene, Operator, Box]] = []
-        self._caption: Panel | Mosaic | None = None
+        self.views: list[tuple[Scene, Operator, Box]] = []
+        self.caption: Panel | Mosaic | None = None
         if isinstance(subject, Recording):
             self._single(subject, size)
         else:
             self._several(recordings, size, labels or labels_of(recordings))
-        self._still = all(held.still for _, held, _ in self._views)
+        self._still = all(held.still for _, held, _ in self.views)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
             self._lay(0.0)
@@ -57,7 +57,7 @@ class Stage:
     @property
     def scenes(self) -> list[Scene]:
         """List the scenes."""
-        return [scene for scene, _, _ in self._views]
+        return [scene for scene, _, _ in self.views]
 
     def times(self, fps: int) -> np.ndarray:
         """List the frames' times [ticks]; several recordings end with the longest."""
@@ -68,15 +68,15 @@ class Stage:
         """Draw the frame of a time [ticks] into out."""
         if not self._still:
             self._lay(time)
-        rows = [_within(box, scene.frame(time, held.at(time))) for scene, held, box in self._views]
-        if self._caption:
-            rows.append(self._caption.frame(time))
+        rows = [_within(box, scene.frame(time, held.at(time))) for scene, held, box in self.views]
+        if self.caption:
+            rows.append(self.caption.frame(time))
         return self.canvas.draw(np.concatenate(rows), out)
 
     def _lay(self, time: float) -> None:
-        rows = [_within(box, scene.ground(held.at(time))) for scene, held, box in self._views]
-        if self._caption:
-            rows.append(self._caption.ground())
+        rows = [_within(box, scene.ground(held.at(time))) for scene, held, box in self.views]
+        if self.caption:
+            rows.append(self.caption.ground())
         self.canvas.lay(self._backdrop, np.concatenate(rows))
 
     def _single(self, recording: Recording, size: tuple[int, int]) -> None:
@@ -84,9 +84,9 @@ class Stage:
         scene = Scene(recording, self._look, self._atlas, unit)
         view = _view([scene], STRAY)
         plan = layout(size, (view.width, view.height))
-        self._views = [(scene, operator(self._look, scene.paths, view, plan.stage), plan.stage)]
+        self.views = [(scene, operator(self._look, scene.paths, view, plan.stage), plan.stage)]
         if plan.panel:
-            self._caption = Panel(scene, plan, self._atlas)
+            self.caption = Panel(scene, plan, self._atlas)
 
     def _several(self, recordings: list[Recording], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = min(size) / 720
@@ -95,8 +95,10 @@ class Stage:
         scenes = [Scene(recording, self._look, self._atlas, small) for recording in recordings]
         view = _view(scenes, STRAY_TOGETHER)
         places = cells(size, len(recordings), (view.width, view.height), unit)
-        self._views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
-        self._caption = Mosaic(scenes, places, labels, size, self._atlas, unit)
+        self.views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
+        # Labels stand right above what is drawn, which seldom fills its cell both ways.
+        above = [_shown(view, box) for box in places]
+        self.caption = Mosaic(scenes, above, labels, size, self._atlas, unit)
 
 
 def _view(scenes: list[Scene], stray: float) -> Box:
@@ -106,6 +108,12 @@ def _view(scenes: list[Scene], stray: float) -> Box:
         scenario = scene.recording.scenario
         each.append(bounds(scenario.world.size, scene.paths, max(scenario.prey.radius, scenario.predators.radius), stray))
     return Box(min(b.left for b in each), min(b.top for b in each), max(b.right for b in each), max(b.bottom for b in each))
+
+
+def _shown(view: Box, cell: Box) -> Box:
+    """Give the part of a cell that a fitted view of the world [m] fills."""
+    (left, bottom), (right, top) = fitted(view, cell).place(np.array([[view.left, view.top], [view.right, view.bottom]]))
+    return Box(float(left), float(top), float(right), float(bottom))
 
 
 def _within(box: Box, rows: np.ndarray) -> np.ndarray:

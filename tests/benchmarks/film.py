@@ -1,0 +1,176 @@
+"""How fast films are made: rasterising alone, the encoder alone, whole films, and matplotlib for scale.
+
+    python tests/benchmarks/film.py [-o out/film-speed.csv] [--without-matplotlib]
+
+Each figure is the best of several runs after a first one that warms up. Pictures are checked before they are timed.
+"""
+
+import argparse
+import csv
+import os
+import platform
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import render
+import tiswarm
+from render.encoder import encoder, format_of
+from render.look import Look
+from render.scene import CROWDED
+from render.stage import Stage
+from tiswarm.recording import Recording, Swarm
+
+SIZE = (1920, 1080)
+FPS = 60
+READY = 120
+
+
+def best(work: Callable[[], object], runs: int = 3) -> float:
+    """Give the shortest time of several runs [s]; a first run warms up."""
+    work()
+    taken = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        work()
+        taken.append(time.perf_counter() - start)
+    return min(taken)
+
+
+def chases(count: int) -> list[Recording]:
+    """Record Delft chases."""
+    scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": "split-evasive"})
+    return [tiswarm.record(scenario, trial=n, seed=1) for n in range(count)]
+
+
+def crowd(agents: int, ticks: int = 12) -> Recording:
+    """Make a recording of many agents that drift about, without a simulation."""
+    rng = np.random.default_rng(5)
+    start = rng.normal((50, 25), (16, 8), (agents, 2))
+    velocity = np.broadcast_to(rng.normal(0, 0.5, (agents, 2)), (ticks + 1, agents, 2)).copy()
+    position = start + np.arange(ticks + 1)[:, None, None] * velocity
+    state, group = np.full((ticks + 1, agents), "calm"), np.full((ticks + 1, agents), -1, np.int32)
+    swarm = Swarm(position, velocity, np.full(agents, "alive"), state, group)
+    nobody = replace(
+        swarm, position=position[:, :0], velocity=velocity[:, :0], fate=swarm.fate[:0], state=state[:, :0], group=group[:, :0]
+    )
+    return Recording(tiswarm.load("delft/pronav-0"), 5, 0, swarm, nobody, np.zeros((0, 2)), np.zeros(0))
+
+
+def rasterised(subject: Recording | list[Recording], **look: object) -> float:
+    """Give frames per second of rasterising to planar YUV, spread over the whole film."""
+    stage = Stage(subject, SIZE, Look(**look), yuv=True)  # type: ignore[arg-type]
+    moments = stage.times(FPS)
+    moments = moments[moments < max(scene.paths.ticks for scene in stage.scenes)]
+    moments = moments[:: max(len(moments) // READY, 1)][:READY]
+    out = stage.canvas.blank()
+    drawn = {stage.frame(moment, out).tobytes() for moment in moments[::20]}
+    assert len(drawn) == len(moments[::20]), "frames of different times must differ"
+
+    def all_frames() -> None:
+        for moment in moments:
+            stage.frame(moment, out)
+
+    return len(moments) / best(all_frames)
+
+
+def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, float]:
+    """Give frames per second of a whole film, and of the same encoder fed with frames that were made before."""
+    stage = Stage(recording, SIZE, Look(), yuv=True)
+    moments = stage.times(FPS)[len(stage.times(FPS)) // 3 :][:READY]
+    ready = [stage.frame(moment, stage.canvas.blank()).copy() for moment in moments]
+    path = folder / "film.mp4"
+    form = format_of(path, quality)
+
+    def whole() -> None:
+        with encoder(path, SIZE, FPS, form, {}) as reel:
+            for moment in moments:
+                reel.put(stage.frame(moment, reel.blank()))
+
+    def alone() -> None:
+        with encoder(path, SIZE, FPS, form, {}) as reel:
+            for frame in ready:
+                reel.blank()
+                reel.put(frame)
+
+    film, swallowed = len(moments) / best(whole), len(moments) / best(alone)
+    assert path.stat().st_size > 10_000
+    return film, swallowed
+
+
+def matplotlib_film(recording: Recording, quality: str, folder: Path, frames: int = 40) -> float:
+    """Give frames per second of the same chase by matplotlib's FFMpegWriter with the same encoder settings."""
+    import imageio_ffmpeg
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.animation import FFMpegWriter
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import Circle
+
+    mpl.rcParams["animation.ffmpeg_path"] = imageio_ffmpeg.get_ffmpeg_exe()
+    stage = Stage(recording, SIZE, Look(), yuv=True)
+    paths = stage.scenes[0].paths
+    moments = stage.times(FPS)[len(stage.times(FPS)) // 3 :][:frames]
+    figure, axes = plt.subplots(figsize=(19.2, 10.8), dpi=100)
+    axes.set(xlim=(-10, 110), ylim=(-10, 60), aspect="equal", title=recording.scenario.title)
+    for centre, radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
+        axes.add_patch(Circle(centre, radius, color="grey"))
+    axes.add_patch(Circle(recording.scenario.target.position, recording.scenario.target.radius, color="green", alpha=0.4))
+    dots = axes.scatter(np.zeros(paths.count), np.zeros(paths.count), c=np.where(paths.is_prey, "C0", "C1"), zorder=3)
+    trails = axes.add_collection(LineCollection([], linewidths=2, alpha=0.5))
+    clock = axes.text(0, 55, "")
+    writer = FFMpegWriter(fps=FPS, codec="libx264", extra_args=[*format_of(Path("a.mp4"), quality).output[2:8]])
+    start = time.perf_counter()
+    with writer.saving(figure, str(folder / "matplotlib.mp4"), dpi=100):
+        for moment in moments:
+            spots = paths.at(np.linspace(max(moment - 25, 0), moment, 50))[0]
+            dots.set_offsets(spots[-1])
+            trails.set_segments(list(spots.transpose(1, 0, 2)))
+            clock.set_text(f"{moment:.1f} s")
+            writer.grab_frame()
+    return len(moments) / (time.perf_counter() - start)
+
+
+def main() -> None:
+    """Measure, print, and write a table that names the machine."""
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("-o", "--output", type=Path, default=Path("out/film-speed.csv"))
+    arguments.add_argument("--without-matplotlib", action="store_true")
+    chosen = arguments.parse_args()
+    machine = f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores"
+    rows: list[tuple[str, float]] = []
+
+    def note(what: str, rate: float) -> None:
+        rows.append((what, rate))
+        print(f"{what:<64} {rate:8.1f} frames/s", flush=True)
+
+    trials = chases(16)
+    chase = trials[0]
+    note("rasterising, Delft chase with trails, 1080p", rasterised(chase))
+    note("rasterising, 16 chases in a grid, 1080p", rasterised(trials))
+    many = crowd(100_000)
+    assert many.prey.count >= CROWDED
+    note("rasterising, 100 000 agents as a heat map, 1080p", rasterised(many))
+    note("rasterising, 19 000 agents one by one, 1080p", rasterised(crowd(19_000)))
+    with tempfile.TemporaryDirectory() as name:
+        for quality in render.QUALITIES:
+            film, alone = encoded(chase, quality, Path(name))
+            note(f"whole film, Delft chase, 1080p, {quality}", film)
+            note(f"the same encoder with ready-made frames, 1080p, {quality}", alone)
+        if not chosen.without_matplotlib:
+            note("matplotlib's FFMpegWriter, the same chase, 1080p, good", matplotlib_film(chase, "good", Path(name)))
+    chosen.output.parent.mkdir(parents=True, exist_ok=True)
+    with chosen.output.open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(("what", "frames_per_second", "machine"))
+        table.writerows((what, f"{rate:.2f}", machine) for what, rate in rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from render.motion import motion
+from render.timeline import HOLD, times
+from tiswarm.recording import Recording
+
+
+def test_paths_go_through_the_recorded_positions(chase):
+    paths = motion(chase)
+    both = np.concatenate([chase.prey.position, chase.predators.position], axis=1)
+    there = np.isfinite(both)
+    assert np.allclose(paths.at(np.arange(9.0))[0][there], both[there])
+
+
+def test_paths_and_their_speeds_are_continuous(chase):
+    paths = motion(chase)
+    for tick in range(1, 8):
+        (before, after), (slow, fast) = paths.at(np.array([tick - 1e-7, tick + 1e-7]))
+        alive = paths.end > tick
+        assert np.allclose(before[alive], after[alive], atol=1e-5)
+        assert np.allclose(slow[alive], fast[alive], atol=1e-5)
+
+
+def test_the_speed_is_the_slope_of_the_path(chase):
+    paths = motion(chase)
+    moment, step = np.arange(0.3, 2.9, 0.37), 1e-6
+    rise = (paths.at(moment + step)[0] - paths.at(moment - step)[0]) / (2 * step)
+    assert np.allclose(rise, paths.at(moment)[1], atol=1e-5)
+
+
+def test_whoever_is_gone_stays_where_it_went(chase):
+    paths = motion(chase)
+    spots = paths.at(np.array([3.0, 5.0, 8.0, 99.0]))[0][:, 0]
+    assert np.isfinite(spots).all()
+    assert np.allclose(spots, spots[0])
+
+
+def test_captor_and_captive_meet(make):
+    recording = make(prey_ends={0: (3, "captured")}, predator_ends={2: (3, "captured")})
+    spots = motion(recording).at(np.array([3.0]))[0][0]
+    assert np.allclose(spots[0], spots[6 + 2])
+
+
+def test_a_periodic_world_is_crossed_at_its_edge_not_through_its_middle(make):
+    recording = make(prey=1, predators=0, ticks=4)
+    position = np.array([[[98.0, 25]], [[99.5, 25]], [[1.0, 25]], [[2.5, 25]], [[4.0, 25]]])
+    prey = replace(recording.prey, position=position, velocity=np.full_like(position, (1.5, 0.0)))
+    world = recording.scenario.world.model_copy(update={"boundary": "periodic"})
+    scenario = recording.scenario.model_copy(update={"world": world})
+    paths = motion(Recording(scenario, 0, 0, prey, recording.predators, np.zeros((0, 2)), np.zeros(0)))
+    x = paths.at(np.linspace(0, 4, 41))[0][:, 0, 0]
+    assert np.allclose(np.mod(x - x[0], 100), np.linspace(0, 6, 41))
+
+
+def test_films_last_as_long_as_their_speed_says(make):
+    paths = motion(make(ticks=20))
+    moments = times(paths, 10, 30)
+    assert len(moments) == 2 * 30 + HOLD * 30
+    assert np.allclose(np.diff(moments), 10 / 30)
+
+
+def test_slow_motion_lasts_longer_and_reaches_the_same_end(make):
+    paths = motion(make(ticks=60, prey_ends={0: (30, "captured")}))
+    fast, slow = times(paths, 10, 60), times(paths, 10, 60, slow=True)
+    assert len(slow) > len(fast) * 1.1
+    assert (np.diff(slow) > 0).all()
+    at_capture = np.abs(slow - 30).argmin()
+    assert np.diff(slow)[at_capture] == pytest.approx(0.25 * 10 / 60, rel=0.05)
+    assert np.diff(slow)[0] == pytest.approx(10 / 60, rel=0.05)
+
+
+def test_no_frames_per_second_is_refused(chase):
+    with pytest.raises(ValueError, match="fps"):
+        times(motion(chase), 10, 0)
