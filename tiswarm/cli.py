@@ -43,6 +43,9 @@ Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and heig
 Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second.")]
 
 
+INTERRUPTED = 130
+
+
 class WrongInput(ValueError):
     """Something that the user typed cannot be; the message names the mend."""
 
@@ -52,8 +55,10 @@ def main() -> NoReturn:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # an exception, so that half-written files are cleaned up
     try:
         code = app(standalone_mode=False)
+        if code == INTERRUPTED:  # some versions of typer turn Ctrl-C into this themselves
+            raise KeyboardInterrupt
     except (KeyboardInterrupt, typer.Abort):
-        code = _complain("interrupted; nothing half-written is left", 130)
+        code = _complain("interrupted; nothing half-written is left", INTERRUPTED)
     except (OSError, RuntimeError) as error:
         code = _complain(_fault(error), 1)
     except ValueError as error:

@@ -57,7 +57,10 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
                 for p in ti.static(choosy):
                     weights = see.weights_of(p, numbers, b)
                     chosen = p.strategy.mates(me, mate, weights)
-                    counts = counts * (1.0 - weights.on * (1.0 - chosen))
+                    if ti.static(p.part.mixed):  # noqa: SIM108 - a branch at compile time
+                        counts = counts * (1.0 - weights.on * (1.0 - chosen))
+                    else:
+                        counts = counts * chosen
                 see_mate(mates, me, mate, counts, perception2, spacing2)
             # The loop has no branch that leaves the agent itself out: its distance is zero, so only these know.
             mates.n += -1.0 * me.alive

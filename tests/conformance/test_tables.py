@@ -46,8 +46,8 @@ def test_the_csv_has_one_line_a_row(report):
 def test_published_rows_must_be_rows_of_the_study(tmp_path):
     from tiswarm import ScenarioError
 
-    text = 'title = "t"\n[published]\nfile = "p.csv"\ntrials = 10\n[[tables]]\nname = "a"\ntitle = "a"\nbase = "delft/avoidance-10"\n'
-    (tmp_path / "s.toml").write_text(text + 'key = "prey.avoidance"\nvalues = ["none"]\n')
+    text = 'title = "t"\n[published]\nfile = "p.csv"\ntrials = 10\n[[tables]]\nname = "a"\ntitle = "a"\n'
+    (tmp_path / "s.toml").write_text(text + 'base = "delft/avoidance-10"\nkey = "prey.avoidance"\nvalues = ["none"]\n')
     (tmp_path / "p.csv").write_text("table,row,success,time,impact_spread\na,nonne,1,2,3\n")
     with pytest.raises(ScenarioError, match="a/nonne"):
         run_study(str(tmp_path / "s.toml"), 2)
