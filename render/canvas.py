@@ -29,21 +29,25 @@ class Canvas:
         self._lanes[0] = np.arange(LANES)
         self._lanes[1:CONSTANTS] = _bayer(4).reshape(AREA, LANES)
         self._ground = self.blank()
+        self._frame = np.array([0, 0, *size], np.float32)
 
     def blank(self) -> np.ndarray:
         """Allocate the bytes of one frame."""
         pixels = self.width * self.height
         return np.zeros(pixels * 3 // 2 if self.yuv else pixels * 3, np.uint8)
 
-    def lay(self, colour: Colour, shapes: np.ndarray) -> None:
-        """Make the ground that frames start from: a colour (linear light) and shapes that stand still."""
-        self._light.reshape(self._tiles, 3, -1)[:] = np.reshape(colour, (3, 1))
-        self._run(shapes, self._ground, laying=True)
+    def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
+        """Make the ground that frames start from: a colour (linear light) and shapes that stand still.
 
-    def draw(self, shapes: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Draw shapes over the ground into the bytes of a frame, which `blank` allocated; return them."""
+        windows: [shape, 4], what each shape is cut to: x0, y0, x1, y1 [px].
+        """
+        self._light.reshape(self._tiles, 3, -1)[:] = np.reshape(colour, (3, 1))
+        self._run(shapes, windows, self._ground, laying=True)
+
+    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: np.ndarray) -> np.ndarray:
+        """Draw shapes over the ground into the bytes of a frame, which `blank` allocated; return them. windows: as in `lay`."""
         np.copyto(out, self._ground)
-        self._run(shapes, out, laying=False)
+        self._run(shapes, windows, out, laying=False)
         return out
 
     def light(self) -> np.ndarray:
@@ -52,8 +56,8 @@ class Canvas:
         tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
         return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
 
-    def _run(self, shapes: np.ndarray, out: np.ndarray, *, laying: bool) -> None:
-        shapes = clipped(shapes, np.array([0, 0, self.width, self.height], np.float32))
+    def _run(self, shapes: np.ndarray, windows: np.ndarray | None, out: np.ndarray, *, laying: bool) -> None:
+        shapes = clipped(shapes, self._frame if windows is None else windows)
         boxes = shapes[:, BOUNDS : BOUNDS + 4].astype(np.int32)
         spans = (boxes[:, 2:] - 1) // TILE - boxes[:, :2] // TILE + 1
         room = self._tiles + 2 + int((spans[:, 0] * spans[:, 1]).sum())

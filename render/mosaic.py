@@ -7,7 +7,7 @@ import numpy as np
 from render.layout import Box
 from render.motion import Motion
 from render.scene import Scene
-from render.shapes import Colour, boxes, colour, discs
+from render.shapes import NONE, Colour, boxes, colour, discs
 from render.text import Atlas, width, wrapped
 from render.theme import Theme
 from tiswarm.recording import Recording
@@ -73,6 +73,7 @@ class Mosaic:
         self._scenes, self._places, self._labels = scenes, places, labels
         self._size, self._atlas, self._unit = size, atlas, unit
         self._theme: Theme = scenes[0].theme
+        self._tallies: dict[int, tuple[int, np.ndarray]] = {}  # counts change seldom: their shapes are kept until they do
         self._ticks = max(scene.paths.ticks for scene in scenes)
 
     def ground(self) -> np.ndarray:
@@ -125,6 +126,13 @@ class Mosaic:
 
     def _tally(self, paths: Motion, place: Box, time: float) -> np.ndarray:
         """Show the prey's fates: a dot for each, the arrived first and the dead last, or words when they are many."""
+        gone = int((paths.end[: paths.prey] <= time).sum())
+        if self._tallies.get(id(paths), (-1, NONE))[0] == gone:
+            return self._tallies[id(paths)][1]
+        self._tallies[id(paths)] = gone, self._counted(paths, place, time)
+        return self._tallies[id(paths)][1]
+
+    def _counted(self, paths: Motion, place: Box, time: float) -> np.ndarray:
         fates = np.where(paths.end[: paths.prey] <= time, paths.fate[: paths.prey], "alive")
         base = place.top - 9 * self._unit
         if paths.prey > PIPS:

@@ -49,7 +49,7 @@ class Scene:
         still = world.ground(self.recording, self.theme, self._atlas, self.unit, camera)
         return np.concatenate([still, self._overlays.ground(camera)])
 
-    def frame(self, time: float, camera: Camera) -> np.ndarray:
+    def frame(self, time: float, camera: Camera) -> list[np.ndarray]:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on."""
         here = now(self.paths, time, camera)
         gone = not here.seen.all()
@@ -64,7 +64,7 @@ class Scene:
             rows += [*self._predators(here, camera), *self._prey(here, camera)]
         if gone:
             rows.append(self._fates.flashes(here))
-        return np.concatenate(rows)
+        return rows
 
     def _trails_shown(self) -> bool:
         return self.look.trail > 0 and self.paths.count <= TRAILED

@@ -45,23 +45,34 @@ def mixed(a: Colour, b: Colour, share: float) -> Colour:
     return tuple(x + (y - x) * share for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
 
 
-def _rows(kind: int, count: int, paint, alpha, group=0, soft=1.0, stroke=0.0) -> np.ndarray:
-    rows = np.zeros((count, COLUMNS), np.float32)
-    rows[:, KIND] = kind
-    rows[:, GROUP] = group
-    rows[:, SOFT] = soft
-    rows[:, STROKE] = stroke
+def _rows(kind: int, count: int, paint, alpha_a, alpha_b, group, soft, stroke) -> np.ndarray:
+    """Fill rows with what all kinds have; numbers that all rows share cost one copy, whatever their number."""
+    row = np.zeros(COLUMNS, np.float32)
+    row[KIND] = kind
+    given = ((GROUP, group), (SOFT, soft), (STROKE, stroke), (ALPHA, alpha_a), (ALPHA + 1, alpha_b))
+    for column, value in given:
+        if not isinstance(value, np.ndarray):
+            row[column] = value
+    rows = np.empty((count, COLUMNS), np.float32)
+    rows[:] = row
+    for column, value in given:
+        if isinstance(value, np.ndarray):
+            rows[:, column] = value
     rows[:, PAINT : PAINT + 3] = paint
-    rows[:, ALPHA] = rows[:, ALPHA + 1] = alpha
     return rows
 
 
-def _bound(rows: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Store whole-pixel bounds of points low..high [shape, 2] and of the soft edge around them."""
-    reach = (rows[:, SOFT] / 2 + rows[:, STROKE] + 0.5)[:, None]
-    rows[:, BOUNDS : BOUNDS + 2] = np.floor(low - reach)
-    rows[:, BOUNDS + 2 : BOUNDS + 4] = np.ceil(high + reach)
+def _bound(rows: np.ndarray, low: np.ndarray, high: np.ndarray, reach) -> np.ndarray:
+    """Store whole-pixel bounds: `reach`, a number or [shape], around the boxes from low to high [shape, 2]."""
+    around = reach[:, None] if isinstance(reach, np.ndarray) else reach
+    rows[:, BOUNDS : BOUNDS + 2] = np.floor(low - around)
+    rows[:, BOUNDS + 2 : BOUNDS + 4] = np.ceil(high + around)
     return rows
+
+
+def _edge(soft, stroke):
+    """Give how far beyond its outline a shape still tints pixels."""
+    return soft * 0.5 + stroke + 0.5
 
 
 def capsules(a, b, radius_a, radius_b, paint, alpha_a=1.0, alpha_b=None, group=0, soft=1.0, stroke=0.0) -> np.ndarray:
@@ -70,23 +81,21 @@ def capsules(a, b, radius_a, radius_b, paint, alpha_a=1.0, alpha_b=None, group=0
     A stroke above zero is half the width of an outline, drawn instead of the filled shape.
     """
     a, b = np.atleast_2d(a), np.atleast_2d(b)
-    rows = _rows(CAPSULE, len(a), paint, alpha_a, group, soft, stroke)
-    rows[:, ALPHA + 1] = alpha_a if alpha_b is None else alpha_b
+    rows = _rows(CAPSULE, len(a), paint, alpha_a, alpha_a if alpha_b is None else alpha_b, group, soft, stroke)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = a, b
     rows[:, SIZE], rows[:, SIZE + 1] = radius_a, radius_b
-    reach = rows[:, SIZE : SIZE + 2].max(axis=1)[:, None]
-    return _bound(rows, np.minimum(a, b) - reach, np.maximum(a, b) + reach)
+    return _bound(rows, np.minimum(a, b), np.maximum(a, b), np.maximum(radius_a, radius_b) + _edge(soft, stroke))
 
 
 def discs(centre, radius, paint, alpha=1.0, group=0, soft=1.0) -> np.ndarray:
     """Draw discs around centres [shape, 2]. A ramp of `soft` pixels adds area, which the radius gives back."""
-    true = np.maximum(np.asarray(radius, float) ** 2 - np.asarray(soft, float) ** 2 / 12, 0.0) ** 0.5
+    true = np.maximum(radius * radius - soft * soft / 12, 0.0) ** 0.5
     return capsules(centre, centre, true, true, paint, alpha, group=group, soft=soft)
 
 
 def rings(centre, radius, width, paint, alpha=1.0, soft=1.0) -> np.ndarray:
     """Draw circles of a line width around centres [shape, 2]."""
-    return capsules(centre, centre, radius, radius, paint, alpha, soft=soft, stroke=np.asarray(width) / 2)
+    return capsules(centre, centre, radius, radius, paint, alpha, soft=soft, stroke=width / 2)
 
 
 def darts(centre, heading, length, width, notch, paint, alpha=1.0) -> np.ndarray:
@@ -95,39 +104,38 @@ def darts(centre, heading, length, width, notch, paint, alpha=1.0) -> np.ndarray
     length, width: half the extent along and across the heading; notch: how deep the tail is cut.
     """
     centre = np.atleast_2d(centre)
-    rows = _rows(DART, len(centre), paint, alpha)
+    rows = _rows(DART, len(centre), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = centre, heading
     rows[:, SIZE], rows[:, SIZE + 1], rows[:, TWEAK] = length, width, notch
-    reach = np.hypot(rows[:, SIZE], rows[:, SIZE + 1])[:, None]
-    return _bound(rows, centre - reach, centre + reach)
+    return _bound(rows, centre, centre, np.hypot(length, width) + _edge(1.0, 0.0))
 
 
 def boxes(low, high, paint, alpha_top=1.0, alpha_bottom=None, corner=0.0, soft=1.0, stroke=0.0) -> np.ndarray:
     """Draw boxes between corners low and high [shape, 2], rounded, and fading from top to bottom."""
     low, high = np.atleast_2d(np.asarray(low, float)), np.atleast_2d(np.asarray(high, float))
-    rows = _rows(BOX, len(low), paint, alpha_top, soft=soft, stroke=stroke)
-    rows[:, ALPHA + 1] = alpha_top if alpha_bottom is None else alpha_bottom
+    rows = _rows(BOX, len(low), paint, alpha_top, alpha_top if alpha_bottom is None else alpha_bottom, 0, soft, stroke)
     rows[:, PLACE : PLACE + 2] = (low + high) / 2
     rows[:, SIZE : SIZE + 2] = (high - low) / 2
     rows[:, TWEAK] = np.minimum(corner, rows[:, SIZE : SIZE + 2].min(axis=1))
-    return _bound(rows, low, high)
+    return _bound(rows, low, high, _edge(soft, stroke))
 
 
 def sprites(corner, size, source, paint, alpha=1.0) -> np.ndarray:
     """Draw pieces of the atlas: top left corners, sizes and places in the atlas are whole pixels [shape, 2]."""
     corner = np.atleast_2d(corner)
-    rows = _rows(SPRITE, len(corner), paint, alpha)
+    rows = _rows(SPRITE, len(corner), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = corner, source
     rows[:, BOUNDS : BOUNDS + 2] = corner
     rows[:, BOUNDS + 2 : BOUNDS + 4] = corner + np.asarray(size)
     return rows
 
 
-def clipped(rows: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """Cut bounds to a rectangle (x0, y0, x1, y1) and drop the shapes that lie outside it or cannot be seen."""
-    rows = rows.copy()
-    box = rows[:, BOUNDS : BOUNDS + 4]
-    np.maximum(box, np.tile(bounds[:2], 2), out=box)
-    np.minimum(box, np.tile(bounds[2:], 2), out=box)
-    seen = (box[:, 2] > box[:, 0]) & (box[:, 3] > box[:, 1]) & (rows[:, ALPHA : ALPHA + 2].max(axis=1) > 0)
-    return np.ascontiguousarray(rows[seen])
+def clipped(rows: np.ndarray, windows: np.ndarray) -> np.ndarray:
+    """Cut bounds to windows (x0, y0, x1, y1), one for all or [shape, 4]; drop shapes that lie outside or cannot be seen."""
+    bounds = rows[:, BOUNDS : BOUNDS + 4].copy()
+    np.maximum(bounds[:, :2], windows[..., :2], out=bounds[:, :2])
+    np.minimum(bounds[:, 2:], windows[..., 2:], out=bounds[:, 2:])
+    seen = (bounds[:, 2] > bounds[:, 0]) & (bounds[:, 3] > bounds[:, 1]) & ((rows[:, ALPHA] > 0) | (rows[:, ALPHA + 1] > 0))
+    kept = rows[seen]
+    kept[:, BOUNDS : BOUNDS + 4] = bounds[seen]
+    return kept

@@ -10,7 +10,7 @@ from render.look import Look
 from render.mosaic import Mosaic, cells, labels_of
 from render.panel import Panel
 from render.scene import Scene
-from render.shapes import clipped
+from render.shapes import NONE
 from render.text import Atlas
 from render.timeline import times
 from tiswarm.recording import Recording
@@ -50,6 +50,8 @@ class Stage:
         else:
             self._several(recordings, size, labels or labels_of(recordings))
         self._still = all(held.still for _, held, _ in self.views)
+        edges = [(np.floor(b.left), np.floor(b.top), np.ceil(b.right), np.ceil(b.bottom)) for _, _, b in self.views]
+        self._windows = np.array([*edges, (0, 0, *size)], np.float32)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
             self._lay(0.0)
@@ -68,16 +70,21 @@ class Stage:
         """Draw the frame of a time [ticks] into out."""
         if not self._still:
             self._lay(time)
-        rows = [_within(box, scene.frame(time, held.at(time))) for scene, held, box in self.views]
-        if self.caption:
-            rows.append(self.caption.frame(time))
-        return self.canvas.draw(np.concatenate(rows), out)
+        acts = [scene.frame(time, held.at(time)) for scene, held, _ in self.views]
+        return self.canvas.draw(*self._gather(acts, self.caption.frame(time) if self.caption else NONE), out)
 
     def _lay(self, time: float) -> None:
-        rows = [_within(box, scene.ground(held.at(time))) for scene, held, box in self.views]
-        if self.caption:
-            rows.append(self.caption.ground())
-        self.canvas.lay(self._backdrop, np.concatenate(rows))
+        grounds = [[scene.ground(held.at(time))] for scene, held, _ in self.views]
+        self.canvas.lay(self._backdrop, *self._gather(grounds, self.caption.ground() if self.caption else NONE))
+
+    def _gather(self, acts: list[list[np.ndarray]], caption: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Put the shapes of all views and of the caption into one array, with the window each is cut to.
+
+        What leaves a view must not run into its neighbour's or into the panel.
+        """
+        counts = [sum(len(rows) for rows in act) for act in acts]
+        windows = np.repeat(self._windows, [*counts, len(caption)], axis=0)
+        return np.concatenate([*(rows for act in acts for rows in act), caption]), windows
 
     def _single(self, recording: Recording, size: tuple[int, int]) -> None:
         unit = layout(size, recording.scenario.world.size[:2]).unit
@@ -114,8 +121,3 @@ def _shown(view: Box, cell: Box) -> Box:
     """Give the part of a cell that a fitted view of the world [m] fills."""
     (left, bottom), (right, top) = fitted(view, cell).place(np.array([[view.left, view.top], [view.right, view.bottom]]))
     return Box(float(left), float(top), float(right), float(bottom))
-
-
-def _within(box: Box, rows: np.ndarray) -> np.ndarray:
-    """Cut shapes to a part of the frame, so that what leaves a stage does not run into its neighbour's or into the panel."""
-    return clipped(rows, np.array([np.floor(box.left), np.floor(box.top), np.ceil(box.right), np.ceil(box.bottom)], np.float32))

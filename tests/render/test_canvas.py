@@ -92,7 +92,7 @@ def test_light_is_blended_linearly(canvas):
 def test_colours_survive_the_way_through_yuv(code):
     canvas = Canvas((64, 48), Atlas(), yuv=True)
     canvas.lay(shapes.colour(code), shapes.NONE)
-    flat = canvas.draw(shapes.NONE, canvas.blank()).astype(float)
+    flat = canvas.draw(shapes.NONE, None, canvas.blank()).astype(float)
     luma = flat[: 64 * 48].mean()
     blue, red = flat[64 * 48 : 64 * 60].mean() - 128, flat[64 * 60 :].mean() - 128
     y, b, r = (luma - 16) / 219, blue / 224 * 1.8556, red / 224 * 1.5748
@@ -105,15 +105,15 @@ def test_colours_survive_the_way_through_rgb(canvas):
     levels = np.arange(0, 256, 5)
     for level in levels:
         canvas.lay(shapes.colour(f"#{level:02x}{255 - level:02x}40"), shapes.NONE)
-        mean = canvas.draw(shapes.NONE, canvas.blank()).reshape(-1, 3).mean(axis=0)
+        mean = canvas.draw(shapes.NONE, None, canvas.blank()).reshape(-1, 3).mean(axis=0)
         assert np.abs(mean - (level, 255 - level, 0x40)).max() <= 0.6
 
 
 def test_a_frame_is_the_ground_and_its_shapes_and_nothing_of_the_frame_before(canvas):
     canvas.lay(shapes.colour("#203040"), shapes.discs([[60.0, 60]], 30, WHITE, 0.3))
-    empty = canvas.draw(shapes.NONE, canvas.blank())
-    canvas.draw(shapes.discs([[90.0, 60]], 20, WHITE), canvas.blank())
-    assert (canvas.draw(shapes.NONE, canvas.blank()) == empty).all()
+    empty = canvas.draw(shapes.NONE, None, canvas.blank())
+    canvas.draw(shapes.discs([[90.0, 60]], 20, WHITE), None, canvas.blank())
+    assert (canvas.draw(shapes.NONE, None, canvas.blank()) == empty).all()
 
 
 def test_text_has_the_ink_of_its_letters(canvas):

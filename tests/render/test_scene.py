@@ -103,7 +103,7 @@ def test_nothing_that_moves_is_drawn_on_the_panel(make):
     panel[int(box.top) : int(np.ceil(box.bottom)), int(box.left) : int(np.ceil(box.right))] = False
     assert panel.mean() > 0.15
     stage.caption = None
-    ground = stage.canvas.draw(NONE, stage.canvas.blank()).reshape(270, 480, 3)
+    ground = stage.canvas.draw(NONE, None, stage.canvas.blank()).reshape(270, 480, 3)
     for time in (0.0, 50.5, 99.0):
         frame = stage.frame(time, stage.canvas.blank()).reshape(270, 480, 3)
         assert (frame[panel] == ground[panel]).all()
@@ -148,7 +148,7 @@ def test_frames_do_not_depend_on_the_number_of_threads(tmp_path):
         "rows = [shapes.capsules(some(300), some(300), 3, 1, (0.2, 0.4, 0.9), 0.8, 0.1, group=np.arange(300) // 10 + 1),\n"
         "        shapes.darts(some(200), np.tile([0.6, 0.8], (200, 1)), 12, 7, 8, (0.9, 0.3, 0.1)),\n"
         "        atlas.line('the same at any number', (20, 200), 30, (1, 1, 1))]\n"
-        "print(hashlib.sha256(canvas.draw(np.concatenate(rows), canvas.blank()).tobytes()).hexdigest())\n"
+        "print(hashlib.sha256(canvas.draw(np.concatenate(rows), None, canvas.blank()).tobytes()).hexdigest())\n"
     )
     prints = [
         subprocess.run([sys.executable, "-c", program, threads], capture_output=True, text=True, check=True).stdout.split()[-1]
