@@ -6,9 +6,6 @@ import numpy as np
 
 from tiswarm.recording import Recording
 
-KNOTS = 2
-"""Knots of a trail per tick: curves stay round, and knots at fixed times do not crawl."""
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -68,13 +65,9 @@ class Motion:
             place = np.mod(place, self.period)
         return place, va + f * (2 * bend + 3 * f * twist)
 
-    def knots(self) -> np.ndarray:
-        """Give positions at every 1/KNOTS tick, from which trails are made: [knot, agent, dim]."""
-        return self.at(np.arange(self.ticks * KNOTS + 1) / KNOTS)[0]
-
-    def row(self, time: float) -> int:
-        """Give the recorded row that holds the states of a time."""
-        return int(min(max(time, 0), self.ticks))
+    def knots(self, per_tick: int) -> np.ndarray:
+        """Give positions `per_tick` times a tick: [knot, agent, dim]. Trails of points fixed in time do not crawl."""
+        return self.at(np.arange(self.ticks * per_tick + 1) / per_tick)[0]
 
 
 def motion(recording: Recording) -> Motion:

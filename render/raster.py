@@ -94,22 +94,20 @@ def _dart_distance(u, v, length, width, notch):
 
 
 @ti.func
-def _coverage(shapes: ti.template(), n: ti.i32, x, y: ti.f32):
-    """Share of the pixels centred at (x, y) that shape n covers, times its opacity there."""
-    kind = ti.cast(shapes[n, KIND], ti.i32)
-    ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
-    p, q, tweak = shapes[n, SIZE], shapes[n, SIZE + 1], shapes[n, TWEAK]
-    stroke = shapes[n, STROKE]
+def _coverage(kind: ti.i32, ax, ay, bx, by, p, q, tweak, per_soft, stroke, near_alpha, more_alpha, per_length2, x, y):
+    """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
+
+    per_soft, per_length2: one over the ramp's width, and over the squared length of a capsule. more_alpha: far less near.
+    """
     nothing = x * ti.f32(0.0)
     d, along, most = nothing, nothing, nothing + ti.f32(1.0)
     if kind == CAPSULE:
         ex, ey = bx - ax, by - ay
-        along = _saturated(((x - ax) * ex + (y - ay) * ey) * (ti.f32(1.0) / ti.max(ex * ex + ey * ey, ti.f32(1e-12))))
+        along = _saturated(((x - ax) * ex + (y - ay) * ey) * per_length2)
         dx, dy = x - ax - along * ex, (y - ay) - along * ey
         radius = p + along * (q - p)
         d = ti.sqrt(dx * dx + dy * dy) - radius
-        if stroke == ti.f32(0.0):
-            most = ti.min(ti.f32(2.0) * radius, most)
+        most = ti.min(ti.max(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
     elif kind == DART:
         d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
     else:
@@ -121,15 +119,15 @@ def _coverage(shapes: ti.template(), n: ti.i32, x, y: ti.f32):
     if stroke > ti.f32(0.0):
         d = _magnitude(d) - stroke
         most = ti.min(ti.f32(2.0) * stroke, most)
-    opacity = shapes[n, ALPHA] + along * (shapes[n, ALPHA + 1] - shapes[n, ALPHA])
-    return ti.min(_saturated(ti.f32(0.5) - d * (ti.f32(1.0) / shapes[n, SOFT])), most) * opacity
+    return ti.min(_saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
 
 
 @ti.func
-def _blend(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32, cover):
+def _blend(lanes: ti.template(), spot: ti.i32, red: ti.f32, green: ti.f32, blue: ti.f32, cover):
     for c in range(3):
-        under = lanes[place + c * AREA]
-        lanes[place + c * AREA] = under + cover * (shapes[n, PAINT + c] - under)
+        paint_here = ti.select(c == 0, red, ti.select(c == 1, green, blue))
+        under = lanes[spot + c * AREA]
+        lanes[spot + c * AREA] = under + cover * (paint_here - under)
 
 
 @ti.func
@@ -166,26 +164,40 @@ def _paint_shape(
     top = ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32), y0)
     right = ti.min(ti.cast(shapes[n, BOUNDS + 2], ti.i32), x0 + TILE)
     bottom = ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32), y0 + TILE)
-    if ti.cast(shapes[n, KIND], ti.i32) == SPRITE:
+    # Everything is read before the loops: the compiler cannot tell that writing pixels leaves the shapes alone.
+    kind, grouped = ti.cast(shapes[n, KIND], ti.i32), shapes[n, GROUP] > ti.f32(0.0)
+    ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    p, q, tweak, stroke = shapes[n, SIZE], shapes[n, SIZE + 1], shapes[n, TWEAK], shapes[n, STROKE]
+    alpha, more_alpha = shapes[n, ALPHA], shapes[n, ALPHA + 1] - shapes[n, ALPHA]
+    red, green, blue = shapes[n, PAINT], shapes[n, PAINT + 1], shapes[n, PAINT + 2]
+    per_soft = ti.f32(1.0) / shapes[n, SOFT]
+    per_length2 = ti.f32(1.0) / ti.max((bx - ax) * (bx - ax) + (by - ay) * (by - ay), ti.f32(1e-12))
+    first, last = ti.cast(left, ti.f32), ti.cast(right, ti.f32)
+    if kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
     else:
         for y in range(top, bottom):
             for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
                 x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
-                cover = _coverage(shapes, n, x, ti.cast(y, ti.f32) + ti.f32(0.5))
+                middle = ti.cast(y, ti.f32) + ti.f32(0.5)
+                cover = _coverage(
+                    kind, ax, ay, bx, by, p, q, tweak, per_soft, stroke, alpha, more_alpha, per_length2, x, middle
+                )
+                cover = ti.select(ti.min(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
                 spot = place + (y - y0) * ACROSS + column
-                if shapes[n, GROUP] > ti.f32(0.0):
+                if grouped:
                     lanes[spot + MASK * AREA] = ti.max(lanes[spot + MASK * AREA], cover)
                 else:
-                    _blend(shapes, n, lanes, spot, cover)
+                    _blend(lanes, spot, red, green, blue, cover)
 
 
 @ti.func
-def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32):
-    """Blend what the group of shape n left in the mask, and clear it."""
-    for spot in range(place, place + AREA):
+def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32, top: ti.i32, bottom: ti.i32):
+    """Blend what the group of shape n left in rows of the mask, and clear them."""
+    red, green, blue = shapes[n, PAINT], shapes[n, PAINT + 1], shapes[n, PAINT + 2]
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
         cover = lanes[spot + MASK * AREA]
-        _blend(shapes, n, lanes, spot, cover)
+        _blend(lanes, spot, red, green, blue, cover)
         lanes[spot + MASK * AREA] = ti.f32(0.0) * cover
 
 
@@ -297,14 +309,19 @@ def paint(
                     x0, y0 = tile % columns * TILE, tile // columns * TILE
                     for spot in range(3 * AREA):
                         lanes[place + spot] = ground[tile * 3 * AREA + spot]
-                    joined = -1  # a shape of the group whose coverage the mask holds
+                    joined = -1  # a shape of the group whose coverage the mask holds, between two rows of the tile
+                    top, bottom = TILE, 0
                     for entry in range(start, end + 1):
                         n = ti.select(entry < end, bins[tiles + 1 + entry], -1)
                         group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
                         if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
-                            _paint_mask(shapes, joined, lanes, place)
+                            _paint_mask(shapes, joined, lanes, place, top, bottom)
+                            top, bottom = TILE, 0
                         if n >= 0:
                             _paint_shape(shapes, n, atlas, lanes, numbers, place, x0, y0)
+                            if group > ti.f32(0.0):
+                                top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
+                                bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
                         joined = ti.select(group > ti.f32(0.0), n, -1)
                     if laying > 0:
                         for spot in range(3 * AREA):

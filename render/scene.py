@@ -6,7 +6,7 @@ from render import world
 from render.camera import Camera, Orbit
 from render.fates import Fates
 from render.look import Look
-from render.motion import KNOTS, motion
+from render.motion import motion
 from render.now import Now, now
 from render.overlays import Overlays
 from render.shapes import NONE, capsules, colour, darts, discs, rings
@@ -32,8 +32,11 @@ CROWDED = 20_000
 class Scene:
     """A recording, ready to be drawn."""
 
-    def __init__(self, recording: Recording, look: Look, atlas: Atlas, unit: float):
-        """Prepare the paths. unit: pixels per unit of type, by which small things are sized."""
+    def __init__(self, recording: Recording, look: Look, atlas: Atlas, unit: float, knots: int = 2):
+        """Prepare the paths.
+
+        unit: pixels per unit of type, by which small things are sized. knots: points of a trail per tick; 2 make round curves.
+        """
         self.recording, self.look, self.unit, self.theme = recording, look, unit, look.colours
         self._atlas = atlas
         self.paths = motion(recording)
@@ -41,7 +44,8 @@ class Scene:
         dense = self.paths.count >= CROWDED
         self._overlays = Overlays(recording, self.paths, self.theme, unit, (*look.overlay, *(("density",) if dense else ())))
         self._agents_shown = not dense
-        self._knots = self.paths.knots() if self._trails_shown() else None
+        self._per_tick = knots
+        self._knots = self.paths.knots(knots) if self._trails_shown() else None
         self._paints = self._palette()
 
     def ground(self, camera: Camera) -> np.ndarray:
@@ -99,11 +103,11 @@ class Scene:
         assert self._knots is not None
         paths, ticks = self.paths, self.look.trail * self.look.speed
         moment = min(here.time, float(paths.ticks))
-        first, last = max(int(np.ceil((moment - ticks) * KNOTS)), 0), int(np.ceil(moment * KNOTS))
+        first, last = max(int(np.ceil((moment - ticks) * self._per_tick)), 0), int(np.ceil(moment * self._per_tick))
         if last <= first:
             return NONE
         line = np.concatenate([self._knots[first:last], here.spot[None]])
-        times = np.append(np.arange(first, last) / KNOTS, moment)
+        times = np.append(np.arange(first, last) / self._per_tick, moment)
         # A line ends where its agent went, and breaks where the agent left one side of a periodic world for the other.
         shown = times[:-1, None] < paths.end
         if paths.period is not None:

@@ -99,7 +99,7 @@ class Stage:
         unit = min(size) / 720
         rough = cells(size, len(recordings), recordings[0].scenario.world.size[:2], unit)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        scenes = [Scene(recording, self._look, self._atlas, small) for recording in recordings]
+        scenes = [Scene(recording, self._look, self._atlas, small, knots=1) for recording in recordings]
         view = _view(scenes, STRAY_TOGETHER)
         places = cells(size, len(recordings), (view.width, view.height), unit)
         self.views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
