@@ -1,6 +1,5 @@
 """The command line: the only file that knows both tiswarm and render. Heavy imports wait until a verb needs them."""
 
-import math
 import signal
 import sys
 import time
@@ -39,8 +38,9 @@ StrategyPath = Annotated[
     list[Path] | None,
     typer.Option("--strategy-path", metavar="DIR", help="Folder with prey/, predators/ or avoidance/ files of your own."),
 ]
+Theme = Annotated[str, typer.Option("--theme", metavar="NAME", help="dark, light or print.")]
 Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height of the film in pixels, both even.")]
-Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second.")]
+Fps = Annotated[int | None, typer.Option("--fps", metavar="N", help="Frames per second; 60, or 25 in a GIF, when left out.")]
 
 
 INTERRUPTED = 130
@@ -125,11 +125,12 @@ def _assignment(text: str) -> tuple[str, Any]:
         return key.strip(), value.strip()
 
 
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit()):
-        raise WrongInput(f"--size {text}: write WIDTHxHEIGHT, for example --size 1280x720")
-    return int(width), int(height)
+def _pair(text: str, option: str, example: str) -> tuple[int, int]:
+    """Read two whole numbers, written AxB."""
+    first, _, second = text.lower().partition("x")
+    if not (first.isdigit() and second.isdigit()):
+        raise WrongInput(f"{option} {text}: write two whole numbers, for example {option} {example}")
+    return int(first), int(second)
 
 
 @contextmanager
@@ -225,6 +226,7 @@ def run(
 ) -> None:
     """Run many trials of a scenario and print what came out."""
     import tiswarm
+    from tiswarm import tables
 
     _start(seed, threads, precision, strategy_path)
     scenario = _scenario(preset, sets)
@@ -236,12 +238,7 @@ def run(
     if as_json:
         sys.stdout.write(results.summary_json() + "\n")
         return
-    table = Table(title=scenario.title, title_justify="left")
-    for head in ("", "mean", "± stderr", "95 % interval"):
-        table.add_column(head, justify="left" if not head else "right")
-    for name, each in results.summary().items():
-        table.add_row(name, f"{each.mean:.4f}", f"{each.stderr:.4f}", f"{each.low:.4f} … {each.high:.4f}")
-    out.print(table)
+    tables.print_summary(results, out)
     if not quiet:
         out.print(f"{trials:,} trials in {seconds:.2f} s, seed {seed}" + (f"; written to {output}" if output else ""))
 
@@ -251,10 +248,33 @@ def film(
     source: Annotated[str, typer.Argument(metavar="PRESET|RECORDING", help="A preset to run, or a recording (.npz).")],
     trial: Annotated[int, typer.Option("--trial", metavar="K", help="Number of the trial to film.")] = 0,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="The film; out/NAME-TRIAL.mp4 when left out.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="The film: .mp4, .webm or .gif; out/NAME-TRIAL.mp4 when left out."),
     ] = None,
+    grid: Annotated[
+        str | None, typer.Option("--grid", metavar="CxR", help="Film C x R trials at once, from --trial on.")
+    ] = None,
+    versus: Annotated[
+        str | None,
+        typer.Option("--versus", metavar="A,B[,C]", help="Film the same trial under several prey strategies, side by side."),
+    ] = None,
+    poster: Annotated[
+        Path | None, typer.Option("--poster", metavar="FILE", help="Also write the liveliest frame as an image.")
+    ] = None,
+    sheet: Annotated[Path | None, typer.Option("--sheet", metavar="FILE", help="Also write a contact sheet.")] = None,
     size: Size = "1280x720",
-    fps: Fps = 60,
+    fps: Fps = None,
+    speed: Annotated[float, typer.Option("--speed", metavar="N", help="Ticks per second of film.")] = 10.0,
+    trail: Annotated[float, typer.Option("--trail", metavar="S", help="Seconds that trails last; 0 for none.")] = 2.5,
+    theme: Theme = "dark",
+    quality: Annotated[str, typer.Option("--quality", metavar="NAME", help="draft, good or best.")] = "good",
+    camera: Annotated[
+        str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
+    ] = "fit",
+    overlay: Annotated[
+        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, field, density, coverage.")
+    ] = "",
+    slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -262,22 +282,64 @@ def film(
     precision: Precision = "f32",
     quiet: Quiet = False,
 ) -> None:
-    """Run one trial and film it, or film a recording."""
+    """Run one trial and film it, or several at once, or film a recording."""
+    import render
+
+    look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": _names(overlay), "slow": slow}
+    render.Look(**look)  # wrong choices are told before anything runs
+    pixels = _pair(size, "--size", "1280x720")
+    _start(seed, threads, precision, strategy_path)
+    subject, name = _subject(source, sets, trial, seed, grid, versus)
+    _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
+    if poster is not None:
+        render.poster(subject, poster, size=pixels, **look)
+    if sheet is not None:
+        render.sheet(subject, sheet, **look)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _camera(text: str) -> Any:
+    """Read a camera: its name, or a box of four numbers."""
+    if "," not in text:
+        return text
+    try:
+        x0, y0, x1, y1 = map(float, text.split(","))
+    except ValueError:
+        raise WrongInput(f"--camera {text}: write a box as x0,y0,x1,y1, for example --camera 0,0,50,25") from None
+    return ((x0, y0), (x1, y1))
+
+
+def _subject(
+    source: str, sets: list[str] | None, trial: int, seed: int, grid: str | None, versus: str | None
+) -> tuple[Any, str]:
+    """Give what to film, one recording or several, and a name for the file."""
     import tiswarm
 
-    pixels = _size(size)
-    _start(seed, threads, precision, strategy_path)
     if source.endswith(".npz"):
-        if sets:
-            raise WrongInput("--set: a recording is what it is; film a preset to change its keys")
+        if sets or grid or versus:
+            raise WrongInput(f"{source}: a recording is what it is; film a preset to use --set, --grid or --versus")
         if not Path(source).is_file():
             raise WrongInput(f"{source}: no such file; record one with tiswarm.record(...).save(...)")
-        recording = tiswarm.Recording.load(source)
-        name = Path(source).stem
-    else:
-        recording = tiswarm.record(_scenario(source, sets), trial, seed)
-        name = f"{Path(source).stem if source.endswith('.toml') else source.replace('/', '-')}-{trial}"
-    _film(recording, output or Path("out") / f"{name}.mp4", pixels, fps, quiet)
+        return tiswarm.Recording.load(source), Path(source).stem
+    if grid and versus:
+        raise WrongInput("--grid, --versus: use one of them")
+    plain = Path(source).stem if source.endswith(".toml") else source.replace("/", "-")
+    if versus:
+        strategies = _names(versus)
+        if len(strategies) < 2:
+            raise WrongInput(f"--versus {versus}: name two prey strategies or more, for example --versus evasive,split-evasive")
+        scenarios = [_scenario(source, [*(sets or []), f"prey.strategy={name}"]) for name in strategies]
+        return [tiswarm.record(scenario, trial, seed) for scenario in scenarios], f"{plain}-{trial}-versus"
+    scenario = _scenario(source, sets)
+    if grid:
+        columns, rows = _pair(grid, "--grid", "4x4")
+        if not 1 <= columns * rows <= 100:
+            raise WrongInput(f"--grid {grid}: film 1 to 100 trials at once")
+        return [tiswarm.record(scenario, trial + k, seed) for k in range(columns * rows)], f"{plain}-{trial}-grid"
+    return tiswarm.record(scenario, trial, seed), f"{plain}-{trial}"
 
 
 @app.command()
@@ -287,7 +349,8 @@ def demo(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="The film; out/NAME.mp4 when left out.")
     ] = None,
     size: Size = "1280x720",
-    fps: Fps = 60,
+    fps: Fps = None,
+    theme: Theme = "dark",
     seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Another seed than the showcase's.")] = None,
     threads: Threads = None,
     precision: Precision = "f32",
@@ -296,25 +359,26 @@ def demo(
     """Simulate and film a showcase into out/."""
     import tiswarm
 
-    pixels = _size(size)
+    pixels = _pair(size, "--size", "1280x720")
     _start(seed or 0, threads, precision)
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
     recording = tiswarm.record(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(recording, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet)
+    _film(recording, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet, theme=theme)
 
 
-def _film(recording: Any, path: Path, size: tuple[int, int], fps: int, quiet: bool) -> None:
+def _film(subject: Any, path: Path, size: tuple[int, int], fps: int | None, quiet: bool, **look: Any) -> None:
     import render
 
     started = time.perf_counter()
     with _frame_bar(quiet) as report:
-        render.film(recording, path, size=size, fps=fps, progress=report)
-    if not quiet:
-        seconds = time.perf_counter() - started
-        out.print(
-            f"{path}  ({recording.ticks} ticks, trial {recording.trial}, seed {recording.seed}; filmed in {seconds:.1f} s)"
-        )
+        film = render.film(subject, path, size=size, fps=fps, progress=report, **look)
+    if quiet:
+        return
+    first, *others = subject if isinstance(subject, list) else [subject]
+    what = f"{len(others) + 1} trials" if others else f"trial {first.trial}, {first.ticks} ticks"
+    seconds = time.perf_counter() - started
+    out.print(f"{path}  ({what}, seed {first.seed}; {film.frames / film.fps:.1f} s of film in {seconds:.1f} s)")
 
 
 @app.command()
@@ -334,7 +398,7 @@ def bench(
     quiet: Quiet = False,
 ) -> None:
     """Run a table against published figures: text, CSV, manifest, bar charts."""
-    from tiswarm import studies
+    from tiswarm import studies, tables
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
@@ -342,7 +406,7 @@ def bench(
     report = studies.run_study(study, trials, seed, progress=not quiet)
     folder = output or Path("out") / report.name
     report.save(folder)
-    _print_rows(report)
+    tables.print_rows(report, out)
     charts = _charts(report, folder)
     if not quiet:
         runs = sum(row.results.trials for row in report.rows)
@@ -350,37 +414,6 @@ def bench(
             f"{runs:,} trials in {report.seconds:.1f} s, seed {seed}; written to {folder}"
             + ("" if charts else " (no charts: pip install 'tiswarm[plot]')")
         )
-
-
-def _print_rows(report: Any) -> None:
-    from tiswarm.studies import MEASURES
-
-    table = Table(title=f"{report.study.title}\n{report.study.source}", title_justify="left")
-    table.add_column("table")
-    table.add_column("row")
-    for measure in MEASURES:
-        for head in (f"{measure} ± stderr", "published", "z"):
-            table.add_column(head, justify="right", no_wrap=True)
-    last = None
-    for row in report.rows:
-        if last not in (None, row.table.name):
-            table.add_section()
-        cells = []
-        for measure in MEASURES:
-            ours, digits = row.estimate(measure), 4 if measure == "success" else 2
-            published = row.published.get(measure)
-            cells += [
-                f"{ours.mean:.{digits}f} ± {ours.stderr:.{digits}f}",
-                "" if published is None else f"{published:.{digits}f}",
-            ]
-            cells.append("" if published is None else f"{row.z(measure):+.2f}")
-        table.add_row("" if row.table.name == last else row.table.name, row.value, *cells)
-        last = row.table.name
-    out.print(table)
-    for name, measures in (("success and time", MEASURES[:2]), ("all three", MEASURES)):
-        rms, most = report.z_summary(measures)
-        if math.isfinite(rms):
-            out.print(f"z over {name}: root mean square {rms:.2f}, largest |z| {most:.2f}")
 
 
 def _charts(report: Any, folder: Path) -> bool:

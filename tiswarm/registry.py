@@ -101,6 +101,7 @@ def _check_lanes(file: Path) -> None:
     for func in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
             continue
+        node: Any
         for node in ast.walk(func):
             mend = None
             if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
@@ -113,7 +114,7 @@ def _check_lanes(file: Path) -> None:
                 raise ValueError(f"{file}:{node.lineno}: {mend}")
 
 
-def _is_ti(node: ast.AST, names: tuple[str, ...]) -> bool:
+def _is_ti(node: ast.expr, names: tuple[str, ...]) -> bool:
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ti" and node.attr in names
 
 
