@@ -18,8 +18,8 @@ FOLLOWED = 0.5
 CALM = 12
 """A following camera's path is smoothed over about this many ticks."""
 
-PITCH, TURN, DISTANCE = 0.42, 0.16, 2.6
-"""Orbit: angle above the ground [rad], angle per second of film [rad/s], distance in half diagonals of the world."""
+PITCH, START, TURN, DISTANCE = 0.42, 0.35, 0.1, 2.6
+"""Orbit: angles above the ground and around it at the start [rad], turn [rad/s of film], distance [half diagonals]."""
 
 
 @dataclass(frozen=True)
@@ -153,17 +153,26 @@ def _orbiting(look: Look, paths: Motion, view: Box, stage: Box) -> Operator:
     top = float(np.nanmax(heights))
     bottom = min(float(np.nanmin(heights)), 0.0)
     pivot = (view.left + view.right) / 2, (view.top + view.bottom) / 2, (top + bottom) / 2
-    half = float(np.linalg.norm([view.width, view.height, top - bottom])) / 2
-    middle = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2
-    scale = 0.92 * min(stage.width / (2 * half), stage.height / (2 * half) * 1.25)
+    sides = np.array([view.width, view.height, top - bottom])
+    away = DISTANCE * float(np.linalg.norm(sides)) / 2
+    corners = pivot + sides * [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    turns = [Orbit((0, 0), (0, 0), 1.0, pivot, _axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
+    spread = np.concatenate([turn.place(corners) for turn in turns])
+    margin = 2 * MARGIN * min(stage.width, stage.height)
+    low, high = spread.min(axis=0), spread.max(axis=0)
+    scale = float(min((stage.width - margin) / (high[0] - low[0]), (stage.height - margin) / (high[1] - low[1])))
+    middle = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2 - scale * float(low[1] + high[1]) / 2
 
     def orbit(time: float) -> Camera:
-        angle = 0.6 + time / look.speed * TURN
-        c, s, cp, sp = np.cos(angle), np.sin(angle), np.cos(PITCH), np.sin(PITCH)
-        axes = np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])
-        return Orbit((0, 0), middle, scale, pivot, axes, DISTANCE * half)
+        return Orbit((0, 0), middle, scale, pivot, _axes(START + time / look.speed * TURN), away)
 
     return Operator(orbit, still=False)
+
+
+def _axes(angle: float) -> np.ndarray:
+    """Give the directions right, up and forward of an eye that looks down on the world from an angle around it: [3, 3]."""
+    c, s, cp, sp = np.cos(angle), np.sin(angle), np.cos(PITCH), np.sin(PITCH)
+    return np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])
 
 
 def fitted(view: Box, stage: Box) -> Camera:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-ROOM = {"side": 290, "strip": 190, "pair": 300, "stack": 530}
+ROOM = {"side": 290, "strip": 204, "pair": 310, "stack": 540}
 """Room that the panel needs, in units of type: its width beside the stage; its height below it in four columns, two or one."""
 
 SMALLEST_PANEL = 200

@@ -28,7 +28,7 @@ class Panel:
         inset = INSET * self._unit
         box = layout.panel
         right = box.right - (0 if layout.form == "side" else inset)
-        self._box = Box(box.left + inset, box.top + (inset if layout.form == "side" else 0), right, box.bottom - inset)
+        self._box = Box(box.left + inset, box.top + (inset if layout.form == "side" else inset / 2), right, box.bottom - inset)
         shares = COLUMNS[layout.form]
         gap = inset if len(shares) > 1 else 0
         edges = self._box.left + np.concatenate([[0], np.cumsum(shares)]) * (self._box.width + gap)
@@ -96,7 +96,7 @@ class Panel:
             x, room = box.left + 28 * unit, int(box.width - 28 * unit)
             plural = "s" if name == "predator" and count != 1 else ""
             how = agents.strategy + ("" if agents.avoidance == "none" else f" · {agents.avoidance}")
-            self._still.append(self._write(f"{count} {name}{plural}", x, y + 13 * unit, 15, "ink"))
+            self._still.append(self._write(f"{count:,} {name}{plural}".replace(",", " "), x, y + 13 * unit, 15, "ink"))
             self._still.append(self._write(wrapped(how, self._px(12), room, 1)[0], x, y + 30 * unit, 12, "quiet"))
             y += 44 * unit
         return y + 8 * unit
@@ -130,7 +130,11 @@ class Panel:
         box, rows = self._counter_box, []
         for n, (count, total, paint) in enumerate(zip(counts, totals, paints, strict=False)):
             base = box.top + (n * ROW + 14) * self._unit
-            rows.append(self._write(str(count), box.right, base, 14, "ink" if count else "quiet", "right", tabular=True))
+            rows.append(
+                self._write(
+                    f"{count:,}".replace(",", " "), box.right, base, 14, "ink" if count else "quiet", "right", tabular=True
+                )
+            )
             if count:
                 rows.append(self._bar(n, count / total, paint, 0.95))
         self._counted, self._counter_rows = counts, rows
