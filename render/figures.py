@@ -4,6 +4,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ INK = "#333333"
 
 @dataclass(frozen=True)
 class Bars:
-    """One panel: means with 95 % intervals as bars, published means as marks (NaN where there is none)."""
+    """One panel: means with 95 % intervals as bars, published means with theirs as marks (NaN where there is none)."""
 
     title: str
     axis: str
@@ -23,6 +24,7 @@ class Bars:
     low: np.ndarray
     high: np.ndarray
     published: np.ndarray
+    published_away: np.ndarray  # half the width of the published mean's interval
 
 
 def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str = "") -> Path:
@@ -37,7 +39,7 @@ def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str 
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
-    style = {
+    style: Any = {
         "font.size": 9,
         "axes.edgecolor": INK,
         "text.color": INK,
@@ -61,12 +63,19 @@ def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str 
 def _draw(axis, panel: Bars) -> None:
     place = np.arange(len(panel.names))
     away = np.abs(np.stack([panel.mean - panel.low, panel.high - panel.mean]))
-    axis.bar(place, panel.mean, width=0.62, color=OURS, alpha=0.85, label="tiswarm, 95 % interval")
-    axis.errorbar(place, panel.mean, yerr=away, fmt="none", ecolor=INK, elinewidth=1.2, capsize=3)
+    axis.bar(place, panel.mean, width=0.7, color=OURS, alpha=0.85, label="tiswarm, 95 % interval")
+    axis.errorbar(place - 0.12, panel.mean, yerr=away, fmt="none", ecolor=INK, elinewidth=1.2, capsize=3)
     if np.isfinite(panel.published).any():
-        axis.plot(
-            place, panel.published, linestyle="none", marker="D", markersize=6, color=PUBLISHED, mec="white", label="published"
-        )
+        marks: Any = {
+            "fmt": "D",
+            "markersize": 5,
+            "color": PUBLISHED,
+            "mec": "white",
+            "ecolor": PUBLISHED,
+            "elinewidth": 1.2,
+            "capsize": 3,
+        }
+        axis.errorbar(place + 0.18, panel.published, yerr=panel.published_away, label="published, 95 % interval", **marks)
     axis.set_xticks(place, panel.names, rotation=35, ha="right", rotation_mode="anchor")
     axis.set_ylabel(panel.axis)
     axis.set_title(panel.title, fontsize=10)

@@ -422,6 +422,7 @@ def _charts(report: Any, folder: Path) -> bool:
 
     import numpy as np
 
+    from tiswarm.results import Z95
     from tiswarm.studies import MEASURES
 
     if importlib.util.find_spec("matplotlib") is None:
@@ -436,9 +437,9 @@ def _charts(report: Any, folder: Path) -> bool:
             each = [row.estimate(measure) for row in rows]
             mean, low, high = (np.array([getattr(e, end) for e in each]) for end in ("mean", "low", "high"))
             published = np.array([row.published.get(measure, np.nan) for row in rows])
-            panels.append(
-                Bars(measure.replace("_", " "), axes[measure], [row.value for row in rows], mean, low, high, published)
-            )
+            away = np.array([Z95 * row.published_stderr(measure) for row in rows])
+            names = [row.value for row in rows]
+            panels.append(Bars(measure.replace("_", " "), axes[measure], names, mean, low, high, published, away))
         note = f"{table.name}: {rows[0].results.trials:,} trials a row, seed {report.seed}"
         bars(panels, folder / f"{table.name}.png", table.title, note)
     return True

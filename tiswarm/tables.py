@@ -2,6 +2,7 @@
 
 import math
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -21,11 +22,11 @@ def print_summary(results: Results, out: Console) -> None:
 
 def print_rows(report: Report, out: Console) -> None:
     """Print a study: ours ± standard error, the published mean and z, for each row and measure."""
-    table = Table(title=f"{report.study.title}\n{report.study.source}", title_justify="left")
-    table.add_column("table")
-    table.add_column("row")
+    table = Table(title=f"{report.study.title}\n{report.study.source}", title_justify="left", box=box.SIMPLE, padding=0)
+    table.add_column("table", no_wrap=True)
+    table.add_column("row", no_wrap=True)
     for measure in MEASURES:
-        for head in (f"{measure} ± stderr", "published", "z"):
+        for head in (measure.replace("_", " "), "published", "z"):
             table.add_column(head, justify="right", no_wrap=True)
     last = None
     for row in report.rows:
