@@ -93,12 +93,15 @@ def motion(recording: Recording) -> Motion:
     ahead[last, gone] = position[last, gone] + slope[last, gone]
     coming[last, gone] = slope[last, gone]
     paths = Motion(position, ahead, slope, coming, end, fate, state, group, recording.prey.count, period)
-    _join_captures(paths)
+    _join_captures(paths, recording.scenario.prey.radius + recording.scenario.predators.radius)
     return paths
 
 
-def _join_captures(paths: Motion) -> None:
-    """Let each captive and the nearest predator that died in the same tick end at the point between them."""
+def _join_captures(paths: Motion, touch: float) -> None:
+    """Let each captive and the nearest predator that died in the same tick end at the point between them.
+
+    touch: distance of two agents that touch [m]; pairs farther apart than it and their last steps together are no pairs.
+    """
     captured = (paths.fate == "captured") & np.isfinite(paths.end) & (paths.end > 0)
     captors = np.flatnonzero(captured & ~paths.is_prey)
     for captive in np.flatnonzero(captured & paths.is_prey):
@@ -108,6 +111,8 @@ def _join_captures(paths: Motion) -> None:
             continue
         gaps = np.linalg.norm(paths.ahead[tick, rivals] - paths.ahead[tick, captive], axis=1)
         captor = rivals[gaps.argmin()]
+        if gaps.min() > touch + np.linalg.norm(paths.leaving[tick, [captor, captive]], axis=1).sum():
+            continue
         captors = captors[captors != captor]
         meeting = (paths.ahead[tick, captor] + paths.ahead[tick, captive]) / 2
         for agent in (captive, captor):

@@ -47,6 +47,9 @@ class Scene:
         self._per_tick = knots
         self._knots = self.paths.knots(knots) if self._trails_shown() else None
         self._paints = self._palette()
+        scenario, crowds = recording.scenario, (self.paths.count - self.paths.prey, self.paths.prey)
+        self._radii = scenario.predators.radius, scenario.prey.radius
+        self._least = [max(READABLE * unit * min(1.0, (CROWD / max(crowd, 1)) ** 0.5), SMALLEST) for crowd in crowds]
 
     def ground(self, camera: Camera) -> np.ndarray:
         """Draw the world: everything that stands still."""
@@ -81,10 +84,7 @@ class Scene:
 
     def _reach(self, prey: bool, camera: Camera) -> float:
         """Give an agent's radius on the screen: true, but large enough to be seen among as many as there are."""
-        scenario = self.recording.scenario
-        radius = scenario.prey.radius if prey else scenario.predators.radius
-        crowd = self.paths.prey if prey else self.paths.count - self.paths.prey
-        return max(radius * camera.scale, READABLE * self.unit * min(1.0, (CROWD / max(crowd, 1)) ** 0.5), SMALLEST)
+        return max(self._radii[prey] * camera.scale, self._least[prey])
 
     def _shown(self, here: Now, prey: bool, camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Choose the agents to draw, the farthest first; give their numbers, radii [px] and colours."""
@@ -113,14 +113,14 @@ class Scene:
         if paths.period is not None:
             shown = shown & (np.abs(np.diff(line, axis=0)) < paths.period / 2).all(axis=2)
         agents, starts = shown.T.nonzero()
-        pixels = camera.place(line)
+        pixels, start = camera.place(line).reshape(-1, 2), starts * paths.count + agents
         fresh = np.maximum(1 - (moment - times) / ticks, 0)
         alpha, thin = self.theme.trail_alpha * fresh**1.4, 0.25 + 0.75 * fresh
         strong = np.where(paths.is_prey, 1.0, HUNTERS)[agents]
         wide = (np.where(paths.is_prey, *(0.42 * self._reach(prey, camera) for prey in (True, False))) * here.near)[agents]
         return capsules(
-            pixels[starts, agents],
-            pixels[starts + 1, agents],
+            pixels.take(start, axis=0),
+            pixels.take(start + paths.count, axis=0),
             wide * thin[starts],
             wide * thin[starts + 1],
             self._paints[here.row][agents],
@@ -148,7 +148,7 @@ class Scene:
         rows = []
         stirred = states != "calm"
         if stirred.any():
-            rows.append(discs(nose[stirred], reach[stirred] * 0.52, self.theme["alarm"], 0.95))
+            rows.append(discs(nose[stirred], reach[stirred] * 0.42, self.theme["alarm"], 0.9))
         acting = stirred & (states != "alarmed")
         if acting.any():
             wild = np.where(states[acting] == "exploding", 1.0, 0.0)

@@ -41,6 +41,11 @@ def test_whoever_is_gone_stays_where_it_went(chase):
 def test_captor_and_captive_meet(make):
     recording = make(prey_ends={0: (3, "captured")}, predator_ends={2: (3, "captured")})
     spots = motion(recording).at(np.array([3.0]))[0][0]
+    assert np.linalg.norm(spots[0] - spots[6 + 2]) > 5, "they died far from each other"
+    beside, along = recording.predators.position.copy(), recording.predators.velocity.copy()
+    beside[:, 2], along[:, 2] = recording.prey.position[:, 0] + (1.0, 0.5), recording.prey.velocity[:, 0]
+    predators = replace(recording.predators, position=beside, velocity=along)
+    spots = motion(replace(recording, predators=predators)).at(np.array([3.0]))[0][0]
     assert np.allclose(spots[0], spots[6 + 2])
 
 
