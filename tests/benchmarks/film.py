@@ -30,15 +30,16 @@ FPS = 60
 READY = 120
 
 
-def best(work: Callable[[], object], runs: int = 3) -> float:
-    """Give the shortest time of several runs [s]; a first run warms up."""
-    work()
-    taken = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        work()
-        taken.append(time.perf_counter() - start)
-    return min(taken)
+def best(*works: Callable[[], object], runs: int = 3) -> list[float]:
+    """Give the shortest time of several runs of each work [s]. They take turns, so that a busy machine slows all alike."""
+    taken: list[list[float]] = [[] for _ in works]
+    for run in range(runs + 1):
+        for work, times in zip(works, taken, strict=True):
+            start = time.perf_counter()
+            work()
+            if run:  # the first one warms up
+                times.append(time.perf_counter() - start)
+    return [min(times) for times in taken]
 
 
 def chases(count: int) -> list[Recording]:
@@ -75,7 +76,7 @@ def rasterised(subject: Recording | list[Recording], **look: object) -> float:
         for moment in moments:
             stage.frame(moment, out)
 
-    return len(moments) / best(all_frames)
+    return len(moments) / best(all_frames)[0]
 
 
 def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, float]:
@@ -97,7 +98,7 @@ def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, fl
                 reel.blank()
                 reel.put(frame)
 
-    film, swallowed = len(moments) / best(whole), len(moments) / best(alone)
+    film, swallowed = (len(moments) / seconds for seconds in best(whole, alone))
     assert path.stat().st_size > 10_000
     return film, swallowed
 
