@@ -31,6 +31,12 @@ def test_a_preset_takes_from_its_base_what_it_does_not_state():
     assert (scenario.world.ticks, scenario.prey.perception, scenario.prey.avoidance) == (250, 30, "kitchen-sink")
 
 
+def test_a_scenario_knows_what_it_was_loaded_from(tmp_path):
+    (tmp_path / "own.toml").write_text('base = "delft/centre-10"\n')
+    assert tiswarm.load(tmp_path / "own.toml").preset == "own.toml"
+    assert tiswarm.load("chase", {"prey.count": 3}).preset == "demo/chase"
+
+
 def test_a_plain_name_finds_a_demo():
     assert tiswarm.load("chase") == tiswarm.load("demo/chase")
 
@@ -110,7 +116,7 @@ def test_toml_and_json_round_trips_change_nothing(tmp_path):
     scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": "explode-evasive", "prey.weights": {"blast": 7}})
     file = tmp_path / "again.toml"
     file.write_text(scenario.to_toml())
-    assert tiswarm.load(str(file)) == scenario
+    assert tiswarm.load(str(file)) == scenario.replaced({"preset": "again.toml"})
     assert Scenario.from_json(scenario.to_json()) == scenario
     assert scenario.prey.weights["blast"] == 7
     assert scenario.prey.weights["evade"] == 0.01

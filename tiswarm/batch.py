@@ -18,6 +18,9 @@ CHUNK = 16_384
 """Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
 of the memory, since a trial in flight costs its outcomes, its place in the queue and the numbers of its own."""
 
+MOST_TRIALS = 100_000_000
+"""Outcomes of a batch stay in memory, 28 bytes a trial."""
+
 NO_LIMIT = 2**31 - 1
 
 Progress = bool | Callable[[int, int], None]
@@ -104,8 +107,8 @@ def simulate_many(
 
 
 def _check_trials(trials: int) -> None:
-    if trials < 1:
-        raise ValueError(f"trials: {trials} is not possible; use 1 or more")
+    if not 1 <= trials <= MOST_TRIALS:
+        raise ValueError(f"trials: {trials} is not possible; use 1 to {MOST_TRIALS:,}")
 
 
 def _run(

@@ -1,9 +1,11 @@
 """The command line: the only file that knows both tiswarm and render. Heavy imports wait until a verb needs them."""
 
+import os
 import signal
 import sys
 import time
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -12,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tiswarm import __version__
+from tiswarm.progress import INTERRUPTED, begin_work, heed_interrupts, listen_for_interrupts, reporting
 
 app = typer.Typer(
     name="tiswarm",
@@ -43,22 +46,24 @@ Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and heig
 Fps = Annotated[int | None, typer.Option("--fps", metavar="N", help="Frames per second; 60, or 25 in a GIF, when left out.")]
 
 
-INTERRUPTED = 130
-
-
 class WrongInput(ValueError):
     """Something that the user typed cannot be; the message names the mend."""
 
 
 def main() -> NoReturn:
     """Run the command line: exit code 0, 2 for wrong input, 1 for a fault, 130 for Ctrl-C; never a traceback."""
+    listen_for_interrupts()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # an exception, so that half-written files are cleaned up
     try:
         code = app(standalone_mode=False)
         if code == INTERRUPTED:  # some versions of typer turn Ctrl-C into this themselves
             raise KeyboardInterrupt
+        heed_interrupts()
     except (KeyboardInterrupt, typer.Abort):
         code = _complain("interrupted; nothing half-written is left", INTERRUPTED)
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
     except (OSError, RuntimeError) as error:
         code = _complain(_fault(error), 1)
     except ValueError as error:
@@ -134,26 +139,18 @@ def _pair(text: str, option: str, example: str) -> tuple[int, int]:
 
 
 @contextmanager
-def _frame_bar(quiet: bool):
-    """Give the function that a film reports its frames to: a bar on a terminal."""
-    from tiswarm.progress import reporting
+def _frame_report(quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """Give the function that a film reports its frames to: a bar on a terminal, opened when their number is known."""
+    begin_work()
+    with ExitStack() as bars:
+        shown: list[Callable[[int], None]] = []
 
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    bars: list[Any] = []
+        def report(done: int, total: int) -> None:
+            if not shown:
+                shown.append(bars.enter_context(reporting(not quiet, total, "frames")))
+            shown[0](done)
 
-    def report(done: int, total: int) -> None:
-        if not bars:
-            bars.append(reporting(True, total, "frames"))
-            bars.append(bars[0].__enter__())
-        bars[1](done)
-
-    try:
         yield report
-    finally:
-        if bars:
-            bars[0].__exit__(None, None, None)
 
 
 @app.command()
@@ -371,7 +368,7 @@ def _film(subject: Any, path: Path, size: tuple[int, int], fps: int | None, quie
     import render
 
     started = time.perf_counter()
-    with _frame_bar(quiet) as report:
+    with _frame_report(quiet) as report:
         film = render.film(subject, path, size=size, fps=fps, progress=report, **look)
     if quiet:
         return

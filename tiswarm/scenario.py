@@ -174,6 +174,7 @@ class Showcase(Part):
 class Scenario(Part):
     """A whole scenario: everything that a trial needs but its seed and number."""
 
+    preset: str = ""  # what it was loaded from; a file's name without its folder
     title: str = "Untitled"
     source: str = ""
     showcase: Showcase = Showcase()
@@ -212,8 +213,8 @@ class Scenario(Part):
         return tomlkit.dumps(_plain(self))
 
     def hash(self) -> str:
-        """Name the scenario by what it computes: its title, source and showcase do not count."""
-        plain = {key: value for key, value in _plain(self).items() if key not in ("title", "source", "showcase")}
+        """Name the scenario by what it computes: its preset, title, source and showcase do not count."""
+        plain = {key: value for key, value in _plain(self).items() if key not in ("preset", "title", "source", "showcase")}
         return sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]
 
     def numbers(self) -> dict[str, float]:
@@ -254,7 +255,10 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
 
     Errors: ScenarioError, one line that names the key, the value and what is allowed.
     """
-    return _validated(_overridden(_table(os.fspath(preset)), overrides or {}))
+    name = os.fspath(preset)
+    file = find(name)
+    known = {path: each for each, path in presets().items()}
+    return _validated(_overridden({**_table(name), "preset": known.get(file, file.name)}, overrides or {}))
 
 
 def _validated(table: dict[str, Any]) -> Scenario:
