@@ -10,7 +10,10 @@ from render.look import Look
 from render.motion import Motion
 
 MARGIN = 0.04
-"""Free rim around what the camera shows, as a share of the stage's shorter edge."""
+"""Free rim around the world, as a share of the stage's shorter edge."""
+
+RIM = 0.018
+"""Free rim around agents that leave the world: they only must not touch the edge."""
 
 FOLLOWED = 0.5
 """Share of the fitted view that a following camera shows."""
@@ -93,31 +96,40 @@ class Operator:
     still: bool
 
 
-def bounds(world: tuple[float, ...], paths: Motion, reach: float, stray: float) -> Box:
-    """Give the box [m] of the world and of everything that moves, `reach` around it.
+@dataclass(frozen=True)
+class View:
+    """What a fitting camera shows [m]: the world, and all that is reached by what moves, which holds the world."""
+
+    world: Box
+    reach: Box
+
+
+def bounds(world: tuple[float, ...], paths: Motion, radius: float, stray: float) -> Box:
+    """Give the box [m] of the world and of everything that moves, `radius` around it.
 
     Who strays farther from the world than a share `stray` of its size is let go: the rest would become too small to see.
     """
     size = np.array(world[:2], float)
     spots = paths.position[..., :2].reshape(-1, 2)
-    low = np.minimum(0, np.nanmin(spots, axis=0) - reach)
-    high = np.maximum(size, np.nanmax(spots, axis=0) + reach)
+    low = np.minimum(0, np.nanmin(spots, axis=0) - radius)
+    high = np.maximum(size, np.nanmax(spots, axis=0) + radius)
     low, high = np.maximum(low, -stray * size), np.minimum(high, (1 + stray) * size)
     return Box(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
-def operator(look: Look, paths: Motion, view: Box, stage: Box) -> Operator:
-    """Choose who holds the camera. view: what "fit" shows [m]; stage: where on the screen.
+def operator(look: Look, paths: Motion, view: View, stage: Box) -> Operator:
+    """Choose who holds the camera. view: what "fit" shows; stage: where on the screen.
 
     Errors: ValueError when the agent to follow does not exist.
     """
     if not isinstance(look.camera, str):
         (x0, y0), (x1, y1) = look.camera
-        box = fitted(Box(x0, y0, x1, y1), stage)
-        return Operator(lambda _: box, still=True)
+        chosen = Box(x0, y0, x1, y1)
+        held = fitted(View(chosen, chosen), stage)
+        return Operator(lambda _: held, still=True)
     kind, _, agent = look.camera.partition(":")
     if kind == "orbit" or (kind == "fit" and paths.position.shape[2] == 3):
-        return _orbiting(look, paths, view, stage)
+        return _orbiting(look, paths, view.reach, stage)
     fit = fitted(view, stage)
     if kind == "fit":
         return Operator(lambda _: fit, still=True)
@@ -175,9 +187,31 @@ def _axes(angle: float) -> np.ndarray:
     return np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])
 
 
-def fitted(view: Box, stage: Box) -> Camera:
-    """Show a box of the world [m] as large as the stage allows."""
-    margin = 2 * MARGIN * min(stage.width, stage.height)
-    scale = min((stage.width - margin) / view.width, (stage.height - margin) / view.height)
-    middle = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2
-    return Camera(((view.left + view.right) / 2, (view.top + view.bottom) / 2), middle, scale)
+def fitted(view: View, stage: Box) -> Camera:
+    """Show a view as large as the stage allows: the world in the middle unless what leaves it needs the room."""
+    short = min(stage.width, stage.height)
+    pads = MARGIN * short, RIM * short
+    across = ((view.world.left, view.reach.left), (view.world.right, view.reach.right))
+    up = ((view.world.top, view.reach.top), (view.world.bottom, view.reach.bottom))
+    scale = min(_largest(*across, pads, stage.width), _largest(*up, pads, stage.height))
+    x, y = _placed(*across, pads, stage.width, scale), _placed(*up, pads, stage.height, scale)
+    centre = (view.world.left + view.world.right) / 2, (view.world.top + view.world.bottom) / 2
+    return Camera(centre, (stage.left + x, stage.bottom - y), scale)
+
+
+Ends = tuple[float, float]
+"""An end of the world along one axis, and of what is reached there [m]."""
+
+
+def _largest(low: Ends, high: Ends, pads: Ends, room: float) -> float:
+    """Give the largest scale [px/m] at which world and reach, with their pads [px], have room along one axis."""
+    pairs = [(a, b) for a in zip(low, pads, strict=True) for b in zip(high, pads, strict=True)]
+    return min((room - pad - other) / (end - start) for (start, pad), (end, other) in pairs)
+
+
+def _placed(low: Ends, high: Ends, pads: Ends, room: float, scale: float) -> float:
+    """Give where the world's middle goes along one axis [px], as near to the middle of the room as is possible."""
+    middle = (low[0] + high[0]) / 2
+    before = max(scale * (middle - end) + pad for end, pad in zip(low, pads, strict=True))
+    after = max(scale * (end - middle) + pad for end, pad in zip(high, pads, strict=True))
+    return min(max(room / 2, before), room - after)

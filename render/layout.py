@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 
-ROOM = {"side": 290, "strip": 204, "pair": 310, "stack": 540}
-"""Room that the panel needs, in units of type: its width beside the stage; its height below it in four columns, two or one."""
+ROOM = {"side": 290, "strip": 104, "pair": 310, "stack": 540}
+"""Room for the panel in units of type: its width beside the stage; its height below, as a strip, in two columns or one."""
 
-SMALLEST_PANEL = 200
-"""Frames with a shorter edge [px] have no panel: type of that size cannot be read."""
+SMALLEST = 0.5
+"""Frames whose unit of type would be smaller [px] have no panel: it could not be read."""
+
+STRIPPED = 240, 0.54
+"""A strip has few words: frames at least this high [px] still have one, with this unit of type at least."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Layout:
     """How a frame is divided.
 
     unit: the size of type at 720 lines is one [px].
-    panel: None in frames too small for type. form: "side", or below in four columns ("strip"), two ("pair") or one ("stack").
+    panel: None in frames too small for type. form: "side", or below as one "strip", in two columns ("pair") or one ("stack").
     """
 
     size: tuple[int, int]
@@ -52,15 +55,19 @@ def layout(size: tuple[int, int], extent: tuple[float, float], *, caption: bool 
     width, height = size
     unit = min(width, height) / 720
     whole = Box(0, 0, width, height)
-    if not caption or min(size) < SMALLEST_PANEL:
-        return Layout(size, unit, whole, None, "side")
+    bare = Layout(size, unit, whole, None, "side")
+    if not caption:
+        return bare
     if height > 1.4 * width:
         unit = min(width / 460, height / (ROOM["stack"] + 460 * extent[1] / extent[0]))
-        return _below(size, unit, "stack")
+        return bare if unit < SMALLEST else _below(size, unit, "stack")
     edge = ROOM["side"] * unit
-    side = Layout(size, unit, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")
-    below = _below(size, unit, "strip" if width > 1.4 * height else "pair")
-    return max(side, below, key=lambda each: min(each.stage.width / extent[0], each.stage.height / extent[1]))
+    plans = [Layout(size, unit, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")] if unit >= SMALLEST else []
+    if width > 1.4 * height:
+        plans += [_below(size, max(unit, STRIPPED[1]), "strip")] if height >= STRIPPED[0] else []
+    elif unit >= SMALLEST:
+        plans.append(_below(size, unit, "pair"))
+    return max(plans, key=lambda each: min(each.stage.width / extent[0], each.stage.height / extent[1]), default=bare)
 
 
 def _below(size: tuple[int, int], unit: float, form: str) -> Layout:

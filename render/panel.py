@@ -10,7 +10,7 @@ from render.shapes import Colour, boxes, capsules, colour, darts
 from render.text import Atlas, width, wrapped
 
 INSET = 28
-COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5), "strip": (0.34, 0.2, 0.26, 0.2)}
+COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5)}
 """Shares of the panel's width; title, legend, counters and clock are dealt to the columns in this order."""
 
 FATES = ("alive", "arrived", "captured", "crashed")
@@ -25,17 +25,20 @@ class Panel:
         assert layout.panel is not None
         self._scene, self._layout, self._atlas = scene, layout, atlas
         self._unit, self._theme = layout.unit, scene.theme
-        inset = INSET * self._unit
-        box = layout.panel
+        self._still: list[np.ndarray] = []
+        self._counted: list[int] = []  # counters change seldom: their shapes are kept until they do
+        self._counter_rows: list[np.ndarray] = []
+        self._place(layout.panel)
+
+    def _place(self, box: Box) -> None:
+        """Place what stands still in the panel's box."""
+        layout, inset = self._layout, INSET * self._unit
         right = box.right - (0 if layout.form == "side" else inset)
         self._box = Box(box.left + inset, box.top + (inset if layout.form == "side" else inset / 2), right, box.bottom - inset)
         shares = COLUMNS[layout.form]
         gap = inset if len(shares) > 1 else 0
         edges = self._box.left + np.concatenate([[0], np.cumsum(shares)]) * (self._box.width + gap)
         self._columns = [Box(float(a), self._box.top, float(b) - gap, self._box.bottom) for a, b in pairwise(edges)]
-        self._still: list[np.ndarray] = []
-        self._counted: list[int] = []  # counters change seldom: their shapes are kept until they do
-        self._counter_rows: list[np.ndarray] = []
         pens = [self._box.top] * len(shares)
         for n, block in enumerate((self._title, self._legend, self._counter_names)):
             column = n * len(shares) // 4
@@ -64,8 +67,8 @@ class Panel:
 
     def _title(self, box: Box, y: float) -> float:
         scenario = self._scene.recording.scenario
-        size = 19 if self._layout.form == "strip" else 21
-        for line in wrapped(scenario.title, self._px(size), int(box.width), 3 if self._layout.form == "strip" else 5):
+        size = 21
+        for line in wrapped(scenario.title, self._px(size), int(box.width), 5):
             y += size * 1.22 * self._unit
             self._still.append(self._write(line, box.left, y, size, "ink"))
         y += 6 * self._unit
@@ -79,7 +82,7 @@ class Panel:
 
     def _legend(self, box: Box, y: float) -> float:
         """Show prey and predators as they look on the stage, with their strategies."""
-        scenario, theme, unit = self._scene.recording.scenario, self._theme, self._unit
+        scenario, unit = self._scene.recording.scenario, self._unit
         recording = self._scene.recording
         for name, count, agents in (
             ("prey", recording.prey.count, scenario.prey),
@@ -87,12 +90,7 @@ class Panel:
         ):
             if not count:
                 continue
-            middle = np.array([[box.left + 10 * unit, y + 15 * unit]])
-            right, hue = np.array([[unit, 0.0]]), colour(getattr(theme, name)[0])
-            if name == "prey":
-                self._still.append(capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, hue))
-            else:
-                self._still.append(darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, hue))
+            self._still.append(self._likeness(name, box.left + 10 * unit, y + 15 * unit, unit))
             x, room = box.left + 28 * unit, int(box.width - 28 * unit)
             plural = "s" if name == "predator" and count != 1 else ""
             how = agents.strategy + ("" if agents.avoidance == "none" else f" · {agents.avoidance}")
@@ -100,6 +98,13 @@ class Panel:
             self._still.append(self._write(wrapped(how, self._px(12), room, 1)[0], x, y + 30 * unit, 12, "quiet"))
             y += 44 * unit
         return y + 8 * unit
+
+    def _likeness(self, name: str, x: float, y: float, unit: float) -> np.ndarray:
+        """Draw a prey or a predator as it looks on the stage."""
+        middle, right, hue = np.array([[x, y]]), np.array([[unit, 0.0]]), colour(getattr(self._theme, name)[0])
+        if name == "prey":
+            return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, hue)
+        return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, hue)
 
     def _counter_names(self, box: Box, y: float) -> float:
         self._counter_box = Box(box.left, y, box.right, box.bottom)
@@ -116,6 +121,11 @@ class Panel:
         y = box.top + (row * ROW + 20) * unit
         return boxes((box.left, y - unit), (box.left + share * box.width, y + unit), paint, alpha, corner=unit)
 
+    def _number(self, row: int, digits: str, paint: str) -> np.ndarray:
+        """Write a counter's number at the end of its name's line."""
+        box, unit = self._counter_box, self._unit
+        return self._write(digits, box.right, box.top + (row * ROW + 14) * unit, 14, paint, "right", tabular=True)
+
     def _counters(self, time: float) -> list[np.ndarray]:
         paths, recording, theme = self._scene.paths, self._scene.recording, self._theme
         gone, prey = paths.end <= time, paths.is_prey
@@ -127,14 +137,9 @@ class Panel:
             return self._counter_rows
         paints = [colour(theme.prey[0]), *(theme[fate] for fate in FATES[1:]), colour(theme.predator[0])]
         totals = [recording.prey.count] * 4 + [recording.predators.count]
-        box, rows = self._counter_box, []
+        rows = []
         for n, (count, total, paint) in enumerate(zip(counts, totals, paints, strict=False)):
-            base = box.top + (n * ROW + 14) * self._unit
-            rows.append(
-                self._write(
-                    f"{count:,}".replace(",", " "), box.right, base, 14, "ink" if count else "quiet", "right", tabular=True
-                )
-            )
+            rows.append(self._number(n, f"{count:,}".replace(",", " "), "ink" if count else "quiet"))
             if count:
                 rows.append(self._bar(n, count / total, paint, 0.95))
         self._counted, self._counter_rows = counts, rows

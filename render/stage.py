@@ -4,13 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.camera import Operator, bounds, fitted, operator
+from render.camera import Operator, View, bounds, fitted, operator
 from render.layout import Box, layout
 from render.look import Look
 from render.mosaic import Mosaic, cells, labels_of
 from render.panel import Panel
 from render.scene import Scene
 from render.shapes import NONE
+from render.strip import Strip
 from render.text import Atlas
 from render.timeline import times
 from tiswarm.recording import Recording
@@ -18,7 +19,7 @@ from tiswarm.recording import Recording
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
 
-STRAY, STRAY_TOGETHER = 0.25, 0.08
+STRAY, STRAY_TOGETHER = 0.5, 0.08
 """How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared."""
 
 Subject = Recording | Sequence[Recording]
@@ -90,10 +91,10 @@ class Stage:
         unit = layout(size, recording.scenario.world.size[:2]).unit
         scene = Scene(recording, self._look, self._atlas, unit)
         view = _view([scene], STRAY)
-        plan = layout(size, (view.width, view.height))
+        plan = layout(size, (view.reach.width, view.reach.height))
         self.views = [(scene, operator(self._look, scene.paths, view, plan.stage), plan.stage)]
         if plan.panel:
-            self.caption = Panel(scene, plan, self._atlas)
+            self.caption = (Strip if plan.form == "strip" else Panel)(scene, plan, self._atlas)
 
     def _several(self, recordings: list[Recording], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = min(size) / 720
@@ -101,23 +102,30 @@ class Stage:
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
         scenes = [Scene(recording, self._look, self._atlas, small, knots=1) for recording in recordings]
         view = _view(scenes, STRAY_TOGETHER)
-        places = cells(size, len(recordings), (view.width, view.height), unit)
+        places = cells(size, len(recordings), (view.reach.width, view.reach.height), unit)
         self.views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
         # Labels stand right above what is drawn, which seldom fills its cell both ways.
         above = [_shown(view, box) for box in places]
         self.caption = Mosaic(scenes, above, labels, size, self._atlas, unit)
 
 
-def _view(scenes: list[Scene], stray: float) -> Box:
-    """Give the box [m] that holds the worlds of all scenes and whatever moves there."""
-    each = []
+def _view(scenes: list[Scene], stray: float) -> View:
+    """Find the worlds of all scenes and whatever moves there."""
+    reached, worlds = [], []
     for scene in scenes:
         scenario = scene.recording.scenario
-        each.append(bounds(scenario.world.size, scene.paths, max(scenario.prey.radius, scenario.predators.radius), stray))
-    return Box(min(b.left for b in each), min(b.top for b in each), max(b.right for b in each), max(b.bottom for b in each))
+        worlds.append(Box(0, 0, *scenario.world.size[:2]))
+        reached.append(bounds(scenario.world.size, scene.paths, max(scenario.prey.radius, scenario.predators.radius), stray))
+    return View(_around(worlds), _around(reached))
 
 
-def _shown(view: Box, cell: Box) -> Box:
-    """Give the part of a cell that a fitted view of the world [m] fills."""
-    (left, bottom), (right, top) = fitted(view, cell).place(np.array([[view.left, view.top], [view.right, view.bottom]]))
+def _around(boxes: list[Box]) -> Box:
+    """Give the box that holds all boxes."""
+    return Box(min(b.left for b in boxes), min(b.top for b in boxes), max(b.right for b in boxes), max(b.bottom for b in boxes))
+
+
+def _shown(view: View, cell: Box) -> Box:
+    """Give the part of a cell that a fitted view fills."""
+    box = view.reach
+    (left, bottom), (right, top) = fitted(view, cell).place(np.array([[box.left, box.top], [box.right, box.bottom]]))
     return Box(float(left), float(top), float(right), float(bottom))

@@ -13,6 +13,7 @@ from render.canvas import Canvas
 from render.look import Look
 from render.shapes import NONE, colour, encoded
 from render.stage import Stage
+from render.strip import Strip
 from render.text import Atlas
 
 SIZE = (480, 270)
@@ -170,3 +171,22 @@ def test_importing_render_does_not_wait_for_taichi():
 def test_a_canvas_of_another_size_stands_beside_the_first(make):
     for size in ((64, 48), (96, 64)):
         Canvas(size, Atlas(), yuv=True).lay((0, 0, 0), NONE)
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (854, 480), (480, 270)])
+def test_a_wide_world_fills_a_wide_frame(make, size):
+    """The caption stands below a world of 100 m x 50 m, which then takes most of the frame, and nobody is cut off."""
+    stage = Stage(make(prey=4, predators=0), size, Look(), yuv=False)
+    _, held, box = stage.views[0]
+    scale = held.at(0.0).scale
+    assert box.width == size[0]
+    assert 100 * scale * 50 * scale > 0.55 * size[0] * size[1]
+    assert isinstance(stage.caption, Strip)
+
+
+def test_whoever_leaves_the_world_stays_in_the_picture(make):
+    stage = Stage(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
+    scene, held, box = stage.views[0]
+    spots = held.at(0.0).place(scene.paths.position).reshape(-1, 2)
+    assert (spots > (box.left, box.top)).all()
+    assert (spots < (box.right, box.bottom)).all()
