@@ -12,6 +12,7 @@ import numpy as np
 from render.encoder import FilmError, encoder, format_of
 from render.look import look_of
 from render.stage import Stage, Subject
+from tiswarm import __version__
 from tiswarm.files import replacing
 from tiswarm.recording import Recording
 
@@ -179,10 +180,15 @@ def _notes(stage: Stage) -> dict[str, str]:
     """Say in the film's metadata where it comes from."""
     recordings: list[Recording] = [scene.recording for scene in stage.scenes]
     first = recordings[0]
-    trials = ", ".join(f"trial {each.trial} of seed {each.seed}" for each in recordings)
-    ways = ", ".join(dict.fromkeys(each.scenario.prey.strategy for each in recordings))
+    parts = {
+        "preset": ", ".join(dict.fromkeys(each.scenario.preset or "none" for each in recordings)),
+        "trials": ", ".join(f"trial {each.trial} of seed {each.seed}" for each in recordings),
+        "prey": ", ".join(dict.fromkeys(each.scenario.prey.strategy for each in recordings)),
+        "scenario": ", ".join(dict.fromkeys(each.scenario.hash() for each in recordings)),
+        "tiswarm": __version__,
+    }
     return {
         "title": first.scenario.title,
-        "comment": f"{trials}; prey: {ways}; scenario {first.scenario.hash()}",
+        "comment": "; ".join(f"{name}: {value}" for name, value in parts.items()),
         "artist": "tiswarm",
     }

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 import render
+import tiswarm
 from render.encoder import format_of
 from render.films import Film
 
@@ -47,6 +48,8 @@ def test_a_film_is_tagged_as_what_it_is(mp4):
     assert re.search(r"yuv420p\(tv, bt709", words)
     assert "seed 7" in words
     assert "trial 4" in words
+    assert "preset: delft/pronav-10" in words
+    assert f"tiswarm: {tiswarm.__version__}" in words
     assert "Six prey run fifteen" in words
 
 
