@@ -114,6 +114,20 @@ class TestWeightsOfSingleTrials:
             assert alone.arrived[trial] == results.arrived[trial]
         np.testing.assert_array_equal(results.spawned, weights["prey.count"])
 
+    def test_predators_may_come_from_the_numbers_alone(self):
+        scenario = tiswarm.load("delft/pronav-10", {"predators.count": 0})
+        counts = {"predators.count": np.array([0, 15] * 8)}
+        results = tiswarm.simulate(scenario, 16, weights=counts)
+        _same(tiswarm.simulate(scenario, 1), results, 1)
+        alone = tiswarm.simulate(scenario.replaced({"predators.count": 15}), 2)
+        assert (alone.ticks[1], alone.captured[1]) == (results.ticks[1], results.captured[1])
+
+    def test_both_ends_of_a_range_may_move_together(self):
+        scenario = tiswarm.load("delft/avoidance-10")
+        ends = {"prey.spawn.region.0.0": np.full(4, 90.0), "prey.spawn.region.1.0": np.full(4, 95.0)}
+        alone = tiswarm.simulate(scenario.replaced({"prey.spawn.region": [[90, 30], [95, 38]]}), 4)
+        _same(alone, tiswarm.simulate(scenario, 4, weights=ends))
+
     @pytest.mark.parametrize(
         ("weights", "message"),
         [
@@ -122,6 +136,10 @@ class TestWeightsOfSingleTrials:
             ({"prey.radius": np.full(8, -1.0)}, "prey.radius: -1.0 is not allowed"),
             ({"prey.radius": np.full(8, np.nan)}, "finite"),
             ({"prey.count": np.full(8, 2.5)}, "whole number"),
+            ({"prey.count": np.array([2, 2.7, 3, 3, 3, 3, 3, 3])}, "prey.count holds 2.7; use a whole number"),
+            ({"prey.count": np.full(8, np.inf)}, "not finite"),
+            ({"prey.spawn.region.0.0": np.linspace(80, 89, 8)}, "prey.spawn.region.0.0 is above prey.spawn.region.1.0"),
+            ({"obstacles.radius.0": np.full(8, -1.0)}, "negative radius"),
         ],
     )
     def test_numbers_that_cannot_be_are_refused(self, weights, message):

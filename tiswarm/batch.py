@@ -1,7 +1,7 @@
 """Batch: run the trials of one or many scenarios in chunks, or a single trial tick by tick."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from operator import index
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from tiswarm.progress import reporting
 from tiswarm.registry import nearest
 from tiswarm.results import Results
 from tiswarm.runtime import LANES
-from tiswarm.scenario import Scenario
+from tiswarm.scenario import LIMIT, Scenario
 
 CHUNK = 16_384
 """Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
@@ -35,13 +35,13 @@ class Blocks:
     def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
         """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
         types = runtime.types()
-        self.kernel, self.layout = trials.kernel(Structure.of(scenarios))
         self.blocks = blocks
         self.counts = counts or (
             max(scenario.prey.count for scenario in scenarios),
             max(scenario.predators.count for scenario in scenarios),
             max(scenario.obstacles.count for scenario in scenarios),
         )
+        self.kernel, self.layout = trials.kernel(Structure.of(scenarios, self.counts[1]))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype
@@ -88,7 +88,7 @@ def simulate(
 
     Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that are not allowed.
     """
-    _check_trials(trials)
+    trials, seed = _checked(trials, seed)
     if weights:
         counts = _check_weights(scenario, weights, trials)
         return _run([scenario], trials, seed, progress, weights, counts)[0]
@@ -102,13 +102,17 @@ def simulate_many(
 
     Each scenario gets the same bits as on its own: code that it does not use counts with a weight of zero.
     """
-    _check_trials(trials)
+    trials, seed = _checked(trials, seed)
     return _run(list(scenarios), trials, seed, progress)
 
 
-def _check_trials(trials: int) -> None:
+def _checked(trials: int, seed: int) -> tuple[int, int]:
+    """Give both as plain whole numbers. Errors: ValueError, or TypeError for what is no whole number."""
+    trials, seed = index(trials), index(seed)
+    rng.seed_words(seed)
     if not 1 <= trials <= MOST_TRIALS:
         raise ValueError(f"trials: {trials} is not possible; use 1 to {MOST_TRIALS:,}")
+    return trials, seed
 
 
 def _run(
@@ -119,7 +123,6 @@ def _run(
     weights: Mapping[str, np.ndarray] | None = None,
     counts: tuple[int, int, int] | None = None,
 ) -> list[Results]:
-    rng.seed_words(seed)
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
     outcomes = np.zeros((len(scenarios) * count, len(trials.OUTCOMES)), np.int32)
@@ -135,29 +138,59 @@ def _run(
             report(int(jobs[-1]) + 1)
     split = outcomes.reshape(len(scenarios), count, -1)
     return [
-        Results.of(scenario, seed, dict(zip(trials.OUTCOMES, each.T, strict=True)), weights)
+        Results.of(scenario, seed, runtime.start(), dict(zip(trials.OUTCOMES, each.T, strict=True)), weights)
         for scenario, each in zip(scenarios, split, strict=True)
     ]
 
 
 def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
     """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
-    known = scenario.numbers()
-    ends: list[dict[str, Any]] = [{}, {}]
+    known = list(scenario.numbers())
+    arrays = {}
     for path, values in weights.items():
-        array = np.asarray(values, np.float64)
         if path not in known:
-            raise ScenarioError(f"weights: unknown key '{path}'; {nearest(path, sorted(known))}")
+            raise ScenarioError(f"weights: unknown key '{path}'; {nearest(path, known)}")
+        array = np.asarray(values, np.float64)
         if array.shape != (count,):
             raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
-        for end, pick in zip(ends, (np.min, np.max), strict=True):
-            end[path] = float(pick(array)) if not np.isnan(array).any() else float("nan")
-    for end in ends:
-        for path, value in end.items():
-            whole = path.endswith(".count") or path == "world.ticks"
-            scenario.replaced({path: int(value) if whole and value == int(value) else value})
+        if not np.isfinite(array).all() or np.abs(array).max() > LIMIT:
+            raise ScenarioError(f"weights: {path} holds a number that is not finite, or beyond {LIMIT:g}")
+        whole = path.endswith(".count") or path == "world.ticks"
+        if whole and (array != np.round(array)).any():
+            raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
+        arrays[path] = array
+        if _other_end(path) is None:
+            for end in (array.min(), array.max()):
+                scenario.replaced({path: int(end) if whole else float(end)})
+    _check_ends(scenario, arrays)
 
     def most(kind: str) -> int:
-        return int(ends[1].get(f"{kind}.count", getattr(scenario, kind).count))
+        return int(arrays[f"{kind}.count"].max()) if f"{kind}.count" in arrays else getattr(scenario, kind).count
 
     return most("prey"), most("predators"), most("obstacles")
+
+
+def _other_end(path: str) -> str | None:
+    """Give the key of the other end of a range: "obstacles.radius.0" for "obstacles.radius.1"; None for no end of a range."""
+    names = path.split(".")
+    for at, name in enumerate(names[:-1]):
+        if name in ("region", "velocity") or names[: at + 1] == ["obstacles", "radius"]:
+            names[at + 1] = "1" if names[at + 1] == "0" else "0"
+            return ".".join(names)
+    return None
+
+
+def _check_ends(scenario: Scenario, arrays: Mapping[str, np.ndarray]) -> None:
+    """Raise ScenarioError where a range of a single trial runs from a larger to a smaller number."""
+    numbers = scenario.numbers()
+    for path in arrays:
+        other = _other_end(path)
+        if other is not None:
+            low, high = sorted((path, other))
+            below, above = (arrays.get(end, numbers[end]) for end in (low, high))
+            if np.any(np.asarray(below) > np.asarray(above)):
+                raise ScenarioError(
+                    f"weights: {low} is above {high} in some trials; a range runs from its lower to its upper end"
+                )
+            if path.startswith("obstacles.radius") and np.any(arrays[path] < 0):
+                raise ScenarioError(f"weights: {path} holds a negative radius; use 0 or more")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.lanes import anywhere, near, safe
+from tiswarm.lanes import anywhere, larger, near, safe
 from tiswarm.layout import (
     AGE,
     ALIVE,
@@ -55,7 +55,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
                 touched += ti.select(distance2 < size * size, 1.0, 0.0)
                 for p in ti.static(fields):
                     weights = see.weights_of(p, numbers, b)
-                    reach = obstacle.radius + p.strategy.reach(weights)
+                    reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
                     inside = distance2 <= reach * reach
                     if anywhere(inside):
                         push_x, push_y = p.strategy.field(x, y, safe(distance2), me, obstacle, target, weights)

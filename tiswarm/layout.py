@@ -57,9 +57,9 @@ class Structure:
     hunted: bool
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario]) -> "Structure":
-        """Find the structure that serves all scenarios of a batch."""
-        hunted = any(scenario.predators.count for scenario in scenarios)
+    def of(cls, scenarios: Sequence[Scenario], predator_count: int) -> "Structure":
+        """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial."""
+        hunted = predator_count > 0
         parts = []
         for kind, role in ROLES if hunted else ROLES[:2]:
             chosen = [_chosen_parts(scenario, kind, role) for scenario in scenarios]

@@ -44,6 +44,19 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         choosy = layout.parts(kind, "strategy", "mates")
 
         @ti.func
+        def counted(numbers: ti.template(), b, me, mate):
+            """Give 1 for a mate that is there and that all strategies count as one, else 0."""
+            counts = mate.alive
+            for p in ti.static(choosy):
+                weights = see.weights_of(p, numbers, b)
+                chosen = p.strategy.mates(me, mate, weights)
+                if ti.static(p.part.mixed):  # noqa: SIM108 - a branch at compile time
+                    counts = counts * (1.0 - weights.on * (1.0 - chosen))
+                else:
+                    counts = counts * chosen
+            return counts
+
+        @ti.func
         def steer_by_mates(agents: ti.template(), numbers: ti.template(), b, count, me):
             """Separation, cohesion and alignment: what the mates in sight add to the velocity."""
             n = b * width
@@ -53,19 +66,12 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
             mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(7))])
             for j in range(count):
                 mate = see.mate_at(agents, (b * count + j) * rows, j)
-                counts = mate.alive
-                for p in ti.static(choosy):
-                    weights = see.weights_of(p, numbers, b)
-                    chosen = p.strategy.mates(me, mate, weights)
-                    if ti.static(p.part.mixed):  # noqa: SIM108 - a branch at compile time
-                        counts = counts * (1.0 - weights.on * (1.0 - chosen))
-                    else:
-                        counts = counts * chosen
-                see_mate(mates, me, mate, counts, perception2, spacing2)
+                see_mate(mates, me, mate, counted(numbers, b, me, mate), perception2, spacing2)
             # The loop has no branch that leaves the agent itself out: its distance is zero, so only these know.
-            mates.n += -1.0 * me.alive
-            mates.vx += -1.0 * me.alive * me.vx
-            mates.vy += -1.0 * me.alive * me.vy
+            own = counted(numbers, b, me, me)
+            mates.n += -1.0 * own
+            mates.vx += -1.0 * own * me.vx
+            mates.vy += -1.0 * own * me.vy
             return flock(
                 me, mates, numbers[n + columns.cohesion], numbers[n + columns.separation], numbers[n + columns.alignment]
             )

@@ -24,7 +24,7 @@ class UnknownStrategy(ValueError):
 def add_path(folder: str | Path) -> None:
     """Also look for strategies in `folder`/prey, `folder`/predators and `folder`/avoidance.
 
-    Errors: ValueError when none of the three is there.
+    Errors: ValueError when none of the three is there, or a name is taken.
     """
     folder = Path(folder).resolve()
     if not any((folder / kind).is_dir() for kind in KINDS):
@@ -33,8 +33,14 @@ def add_path(folder: str | Path) -> None:
         )
     if folder not in _folders:
         _folders.append(folder)
-        _files.cache_clear()
-        load.cache_clear()
+        for cached in (_files, load, parts):
+            cached.cache_clear()
+        try:
+            for kind in KINDS:
+                _files(kind)
+        except ValueError:
+            _folders.remove(folder)
+            raise
 
 
 @cache
@@ -44,7 +50,10 @@ def _files(kind: Kind) -> dict[str, Path | str]:
     for folder in (Path(__file__).parent, *_folders):
         for file in sorted((folder / kind).glob("*.py")):
             if not file.stem.startswith("_"):
-                found[file.stem.replace("_", "-")] = file
+                name = file.stem.replace("_", "-")
+                if name in found:
+                    raise ValueError(f"strategy path: {file} and {found[name]} have one name; rename yours")
+                found[name] = file
     for entry in importlib.metadata.entry_points(group=f"tiswarm.{kind}"):
         found.setdefault(entry.name.replace("_", "-"), entry.value)
     return found
@@ -98,7 +107,11 @@ _NO_LANES = ("abs", "acos", "asin", "atan2", "cos", "exp", "log", "rsqrt", "sin"
 
 def _check_lanes(file: Path) -> None:
     """Refuse what would end the process when its kernel is compiled. Errors: ValueError that names the line and the mend."""
-    for func in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise ValueError(f"{file}:{error.lineno}: not valid Python: {error.msg}") from None
+    for func in ast.walk(tree):
         if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
             continue
         node: Any
@@ -108,10 +121,15 @@ def _check_lanes(file: Path) -> None:
                 mend = "lanes cannot be negated: write 0.0 - x"
             elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Sub):
                 mend = "lanes cannot be decremented in place: write x = x - y"
-            elif isinstance(node, ast.Call) and _is_ti(node.func, _NO_LANES):
+            elif isinstance(node, ast.Call) and _ends_in(node.func, _NO_LANES):
                 mend = f"lanes have no {ast.unparse(node.func)}: see CONTRIBUTING, 'Write a term in lanes'"
             if mend:
                 raise ValueError(f"{file}:{node.lineno}: {mend}")
+
+
+def _ends_in(node: ast.expr, names: tuple[str, ...]) -> bool:
+    """Tell whether a function is called by one of these names, as in abs, ti.abs or ti.math.abs."""
+    return (isinstance(node, ast.Name) and node.id in names) or (isinstance(node, ast.Attribute) and node.attr in names)
 
 
 def _is_ti(node: ast.expr, names: tuple[str, ...]) -> bool:
@@ -128,7 +146,10 @@ def _imported(kind: Kind, file: Path | str) -> ModuleType:
         raise ValueError(f"{file}: cannot be imported")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # Taichi reads a function's source through its module
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever a user's file raises
+        raise ValueError(f"{file}: cannot be imported: {type(error).__name__}: {error}") from None
     return module
 
 

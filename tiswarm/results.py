@@ -15,6 +15,7 @@ import numpy as np
 
 from tiswarm import __version__
 from tiswarm.files import replacing
+from tiswarm.runtime import Settings
 from tiswarm.scenario import Scenario
 
 Z95 = 1.959963984540054
@@ -54,6 +55,7 @@ class Results:
 
     scenario: Scenario
     seed: int
+    settings: Settings
     arrived: np.ndarray
     captured: np.ndarray
     crashed: np.ndarray
@@ -67,14 +69,19 @@ class Results:
 
     @classmethod
     def of(
-        cls, scenario: Scenario, seed: int, outcomes: Mapping[str, np.ndarray], weights: Mapping[str, np.ndarray] | None
+        cls,
+        scenario: Scenario,
+        seed: int,
+        settings: Settings,
+        outcomes: Mapping[str, np.ndarray],
+        weights: Mapping[str, np.ndarray] | None,
     ) -> "Results":
         """Put what the kernel wrote down beside what each trial started with."""
         own = dict(weights or {})
         shape = outcomes["ticks"].shape
         spawned = np.broadcast_to(np.asarray(own.get("prey.count", scenario.prey.count)), shape).astype(np.int32)
         dt = np.broadcast_to(np.asarray(own.get("world.dt", scenario.world.dt), np.float64), shape)
-        return cls(scenario, seed, **outcomes, spawned=spawned, dt=dt, weights=own)
+        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, weights=own)
 
     @property
     def trials(self) -> int:
@@ -127,7 +134,8 @@ class Results:
         write_text(folder / "trials.csv", self.to_csv())
         write_text(folder / "summary.json", self.summary_json() + "\n")
         told = {"scenario": json.loads(self.scenario.to_json()), "scenario_hash": self.scenario.hash(), "trials": self.trials}
-        write_text(folder / "manifest.json", manifest(seed=self.seed, **told, **more))
+        told["weights_of_single_trials"] = sorted(self.weights)  # their numbers stand in trials.csv
+        write_text(folder / "manifest.json", manifest(self.settings, seed=self.seed, **told, **more))
         return folder
 
 
@@ -146,13 +154,10 @@ def compare(a: Results, b: Results) -> dict[str, Estimate]:
     return {name: Estimate.of(np.asarray(getattr(b, name), np.float64) - getattr(a, name)) for name in MEASURES}
 
 
-def manifest(**told: Any) -> str:
+def manifest(settings: Settings, **told: Any) -> str:
     """Write down what made a result, so that it can be made again."""
     import taichi as ti
 
-    from tiswarm import runtime
-
-    settings = runtime.start()
     machine = {
         "processor": processor(),
         "threads": settings.threads,

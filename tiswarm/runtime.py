@@ -19,6 +19,9 @@ TASK = 512
 are whole blocks of work runs over `blocks * TASK` and acts on every TASK-th index."""
 
 
+MOST_THREADS = 1024
+
+
 @dataclass(frozen=True)
 class Settings:
     """What one Taichi runtime was started with."""
@@ -37,13 +40,13 @@ def init(precision: Precision = "f32", threads: int | None = None) -> None:
     precision: "f32" (fast) or "f64" (conformance).
     threads: CPU threads, all of them when None. Results are the same bits at any number.
 
-    Errors: ValueError for an unknown precision or fewer than one thread.
+    Errors: ValueError for an unknown precision or a number of threads that cannot be.
     """
     global _settings, _generation
     if precision not in ("f32", "f64"):
         raise ValueError(f"precision: {precision!r} is not known; use 'f32' or 'f64'")
-    if threads is not None and threads < 1:
-        raise ValueError(f"threads: {threads} is not possible; use 1 or more")
+    if threads is not None and not 1 <= threads <= MOST_THREADS:
+        raise ValueError(f"threads: {threads} is not possible; use 1 to {MOST_THREADS}")
     wanted = Settings(precision, threads or available_threads())
     if wanted == _settings:
         return

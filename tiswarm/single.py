@@ -1,5 +1,6 @@
 """Single: one trial in one lane, tick by tick, with the same kernel and so the same bits as in a batch."""
 
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ class Single:
 
     def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
         """Draw the start from seed and trial number, or take an explicit one."""
+        trial, seed = index(trial), index(seed)
         if not 0 <= trial < 1 << 31:
             raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
         if start is not None:
@@ -144,6 +146,7 @@ def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndar
             if memory:
                 for label, members in registry.load(kind, name).states(memory, agents.weights).items():
                     state[row, members] = label
+    state[np.isnan(position[..., 0])] = "calm"
     return state
 
 

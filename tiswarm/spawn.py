@@ -24,6 +24,7 @@ from tiswarm.layout import (
     X,
     Y,
 )
+from tiswarm.scenario import LIMIT
 
 FAR = 1e9
 """Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
@@ -52,8 +53,8 @@ class Start:
             object.__setattr__(self, name, array.reshape(-1, 2) if array.size == 0 else array)
         object.__setattr__(self, "obstacle_radius", np.asarray(self.obstacle_radius, np.float64))
         for name, array in vars(self).items():
-            if not np.isfinite(array).all():
-                raise ValueError(f"start: {name} holds a number that is not finite")
+            if not np.isfinite(array).all() or np.abs(array).max(initial=0) > LIMIT:
+                raise ValueError(f"start: {name} holds a number that is not finite, or beyond {LIMIT:g}")
             if name != "obstacle_radius" and (array.ndim != 2 or array.shape[1] != 2):
                 raise ValueError(f"start: {name} has shape {array.shape}; use [agent, 2]")
         for kind in ("prey", "predator"):
@@ -62,6 +63,8 @@ class Start:
                 raise ValueError(f"start: {kind}_position has shape {position.shape} but {kind}_velocity {velocity.shape}")
         if len(self.prey_position) == 0:
             raise ValueError("start: prey_position is empty; a trial needs 1 prey or more")
+        if (self.obstacle_radius < 0).any():
+            raise ValueError("start: obstacle_radius holds a negative number; use 0 or more")
         if self.obstacle_radius.shape != (len(self.obstacle_position),):
             raise ValueError(f"start: obstacle_radius has shape {self.obstacle_radius.shape}; use one radius an obstacle")
 

@@ -41,7 +41,7 @@ class Table(Part):
     title: str
     base: str
     key: str
-    values: tuple[str | float, ...]
+    values: Annotated[tuple[str | int | float, ...], Field(min_length=1)]
 
 
 class Study(Part):
@@ -51,7 +51,7 @@ class Study(Part):
     source: str = ""
     trials: Trials = 1000
     published: Published | None = None
-    tables: tuple[Table, ...]
+    tables: Annotated[tuple[Table, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Report:
             "trials": self.rows[0].results.trials,
             "wall_time_s": round(self.seconds, 3),
         }
-        write_text(folder / "manifest.json", manifest(**told))
+        write_text(folder / "manifest.json", manifest(self.rows[0].results.settings, **told))
 
 
 def find_study(name: str) -> Path:

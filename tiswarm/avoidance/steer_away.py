@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
+from tiswarm.lanes import larger
 
 
 class Strategy(Avoidance):
@@ -36,7 +37,7 @@ class Strategy(Avoidance):
         across = course.x * y - course.y * x
         along = course.x * x + course.y * y
         size = me.radius + obstacle.radius
-        lookahead = obstacle.radius + weights.lookahead
+        lookahead = larger(obstacle.radius + weights.lookahead, 0.0)
         ahead = across * across * distance2 <= size * size * along * along
         return ti.select(ahead & (distance2 <= lookahead * lookahead), 1.0, 0.0)
 
