@@ -19,10 +19,27 @@ class Fates:
     def __init__(self, recording: Recording, paths: Motion, theme: Theme, unit: float, speed: float):
         """Take note of who went when. unit: pixels per unit of type; speed: ticks per second of film."""
         self._target = recording.scenario.target
-        self._paths, self._theme, self._unit, self._speed = paths, theme, unit, speed
+        self._theme, self._unit, self._speed = theme, unit, speed
+        self._fated = {
+            (fate, prey): np.flatnonzero((paths.fate == fate) & (paths.is_prey == prey) & np.isfinite(paths.end))
+            for fate in ("arrived", "captured", "crashed")
+            for prey in (True, False)
+        }
+        self._ends = paths.end
+        self._marked: tuple[Camera | None, int, np.ndarray] = (None, 0, NONE)  # marks change seldom under a still camera
 
-    def marks(self, now: Now) -> np.ndarray:
+    def over(self, ticks: int) -> float:
+        """Give when the last flash of a recording of so many ticks has faded [ticks]."""
+        return ticks + 2 * FLASH * self._speed
+
+    def marks(self, now: Now, camera: Camera) -> np.ndarray:
         """Mark where prey died: a cross for a crash, a ring for a capture."""
+        left = int(np.count_nonzero(now.seen))
+        if self._marked[0] is not camera or self._marked[1] != left:
+            self._marked = camera, left, self._marks(now)
+        return self._marked[2]
+
+    def _marks(self, now: Now) -> np.ndarray:
         theme, unit, rows = self._theme, self._unit, [NONE]
         caught, _ = self._gone(now, "captured", True)
         crashed, _ = self._gone(now, "crashed", True)
@@ -66,9 +83,10 @@ class Fates:
 
     def _gone(self, now: Now, fate: str, prey: bool, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
         """Give where agents of a fate went, and how long ago [s of film], if less than `within`."""
-        age = (now.time - self._paths.end) / self._speed
-        chosen = (age >= 0) & (age < within) & (self._paths.fate == fate) & (self._paths.is_prey == prey)
-        return now.centre[chosen], age[chosen]
+        fated = self._fated[fate, prey]
+        age = (now.time - self._ends[fated]) / self._speed
+        chosen = (age >= 0) & (age < within)
+        return now.centre[fated[chosen]], age[chosen]
 
     def _sparks(self, place: np.ndarray, phase: np.ndarray, size: float) -> list[np.ndarray]:
         """Throw eight sparks from each place."""

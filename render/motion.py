@@ -31,11 +31,16 @@ class Motion:
     _agents: np.ndarray = field(init=False)
     _last: np.ndarray = field(init=False)
     _final: np.ndarray = field(init=False)
+    _flat: tuple[np.ndarray, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_agents", np.arange(len(self.end)))
         object.__setattr__(self, "_final", np.minimum(self.end, self.ticks))
         object.__setattr__(self, "_last", np.maximum(self._final - 1, 0).astype(int))
+
+        # Views, by tick and agent in one number, which is faster to take from than with two.
+        flat = tuple(each.reshape(-1, each.shape[2]) for each in (self.position, self.ahead, self.leaving, self.coming))
+        object.__setattr__(self, "_flat", flat)
 
     @property
     def ticks(self) -> int:
@@ -57,7 +62,8 @@ class Motion:
         when = np.minimum(times[:, None], self._final)
         tick = np.minimum(when.astype(int), self._last)
         f = (when - tick)[..., None]
-        a, b, va, vb = (each[tick, self._agents] for each in (self.position, self.ahead, self.leaving, self.coming))
+        here = tick * self.count + self._agents
+        a, b, va, vb = (each.take(here, axis=0) for each in self._flat)
         chord = b - a
         bend, twist = 3 * chord - 2 * va - vb, va + vb - 2 * chord
         place = a + f * (va + f * (bend + f * twist))

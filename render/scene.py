@@ -44,6 +44,10 @@ class Scene:
         dense = self.paths.count >= CROWDED
         self._overlays = Overlays(recording, self.paths, self.theme, unit, (*look.overlay, *(("density",) if dense else ())))
         self._agents_shown = not dense
+        # From then on nothing changes any more, but for cleaned ground, which fades.
+        self._over = np.inf if "coverage" in look.overlay else self._fates.over(self.paths.ticks)
+        self._last: tuple[Camera | None, list[np.ndarray]] = (None, [])
+        self._line: tuple[Camera | None, np.ndarray | None] = (None, None)  # the knots on the screen of a still camera
         self._per_tick = knots
         self._knots = self.paths.knots(knots) if self._trails_shown() else None
         self._paints = self._palette()
@@ -58,11 +62,18 @@ class Scene:
 
     def frame(self, time: float, camera: Camera) -> list[np.ndarray]:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on."""
+        if time < self._over:
+            return self._drawn(time, camera)
+        if self._last[0] is not camera:
+            self._last = camera, self._drawn(time, camera)
+        return self._last[1]
+
+    def _drawn(self, time: float, camera: Camera) -> list[np.ndarray]:
         here = now(self.paths, time, camera)
         gone = not here.seen.all()
         rows = [self._overlays.below(here, camera)]
         if gone:
-            rows += [self._fates.pulses(here, camera), self._fates.marks(here)]
+            rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
         if isinstance(camera, Orbit):
             rows.append(self._shadows(here, camera))
         if self._trails_shown():
@@ -106,14 +117,15 @@ class Scene:
         first, last = max(int(np.ceil((moment - ticks) * self._per_tick)), 0), int(np.ceil(moment * self._per_tick))
         if last <= first:
             return NONE
-        line = np.concatenate([self._knots[first:last], here.spot[None]])
         times = np.append(np.arange(first, last) / self._per_tick, moment)
         # A line ends where its agent went, and breaks where the agent left one side of a periodic world for the other.
         shown = times[:-1, None] < paths.end
         if paths.period is not None:
+            line = np.concatenate([self._knots[first:last], here.spot[None]])
             shown = shown & (np.abs(np.diff(line, axis=0)) < paths.period / 2).all(axis=2)
         agents, starts = shown.T.nonzero()
-        pixels, start = camera.place(line).reshape(-1, 2), starts * paths.count + agents
+        pixels = np.concatenate([self._on_screen(camera, first, last).reshape(-1, 2), here.centre])
+        start = starts * paths.count + agents
         fresh = np.maximum(1 - (moment - times) / ticks, 0)
         alpha, thin = self.theme.trail_alpha * fresh**1.4, 0.25 + 0.75 * fresh
         strong = np.where(paths.is_prey, 1.0, HUNTERS)[agents]
@@ -129,19 +141,39 @@ class Scene:
             group=agents + 1,
         )
 
+    def _on_screen(self, camera: Camera, first: int, last: int) -> np.ndarray:
+        """Map knots to pixels [knot, agent, 2]: all of them, once, when a camera comes a second time, for then it is still."""
+        assert self._knots is not None
+        known, line = self._line
+        if known is not camera:
+            self._line = camera, None
+            return camera.place(self._knots[first:last])
+        if line is None:
+            line = camera.place(self._knots)
+            self._line = camera, line
+        return line[first:last]
+
     def _prey(self, here: Now, camera: Camera) -> list[np.ndarray]:
         """Draw prey as drops, round in front; their state shows on them."""
         agents, reach, paints = self._shown(here, True, camera)
         if not len(agents):
             return []
-        centre, heading = here.centre[agents], here.heading[agents]
-        long = reach[:, None]
+        centre, heading, long = here.centre[agents], here.heading[agents], reach[:, None]
         nose, tail, edge = centre + heading * 0.35 * long, centre - heading * 1.9 * long, np.maximum(0.28 * reach, 1.0)
+        alpha, edges, dye = self._twice(paints, edge)
+        slim = np.concatenate([0.25 * reach, 0.22 * reach])
         return [
-            capsules(nose, tail, reach + edge, 0.25 * reach + edge, self.theme["outline"], 0.7),
-            capsules(nose, tail, reach, 0.22 * reach, paints),
+            capsules(_doubled(nose), _doubled(tail), _doubled(reach) + edges, slim + edges, dye, alpha),
             *self._states(self.paths.state[here.row][agents], nose, reach, paints),
         ]
+
+    def _twice(self, paints: np.ndarray, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Give opacity, width of the edge and colour of agents' outlines, followed by those of the agents themselves."""
+        alpha = np.ones(2 * len(edge))
+        alpha[: len(edge)] = 0.7
+        outline = np.empty_like(paints)
+        outline[:] = self.theme["outline"]
+        return alpha, np.concatenate([edge, np.zeros_like(edge)]), np.concatenate([outline, paints])
 
     def _states(self, states: np.ndarray, nose: np.ndarray, reach: np.ndarray, paints: np.ndarray) -> list[np.ndarray]:
         """Mark who is not calm: a bright head; for any state but alarmed a ring too, wide and glowing when exploding."""
@@ -164,9 +196,18 @@ class Scene:
             return []
         centre, heading = here.centre[agents], here.heading[agents]
         length, width, edge = 1.75 * reach, 1.25 * reach, np.maximum(0.3 * reach, 1.0)
+        alpha, edges, dye = self._twice(paints, edge)
+        notch = np.concatenate([0.55 * length, 0.8 * length])
         return [
-            darts(centre, heading, length + 2 * edge, width + 1.3 * edge, 0.55 * length, self.theme["outline"], 0.7),
-            darts(centre, heading, length, width, 0.8 * length, paints),
+            darts(
+                _doubled(centre),
+                _doubled(heading),
+                _doubled(length) + 2 * edges,
+                _doubled(width) + 1.3 * edges,
+                notch,
+                dye,
+                alpha,
+            )
         ]
 
     def _shadows(self, here: Now, camera: Camera) -> np.ndarray:
@@ -176,3 +217,8 @@ class Scene:
             return NONE
         size = np.maximum(self._reach(True, camera) * camera.nearness(spots), SMALLEST)
         return discs(camera.place(spots), size, self.theme["shadow"], 0.5 * self.theme.shadow_alpha, soft=size)
+
+
+def _doubled(rows: np.ndarray) -> np.ndarray:
+    """Give an array followed by itself."""
+    return np.concatenate([rows, rows])

@@ -46,20 +46,17 @@ def mixed(a: Colour, b: Colour, share: float) -> Colour:
 
 
 def _rows(kind: int, count: int, paint, alpha_a, alpha_b, group, soft, stroke) -> np.ndarray:
-    """Fill rows with what all kinds have; numbers that all rows share cost one copy, whatever their number."""
-    row = np.zeros(COLUMNS, np.float32)
-    row[KIND] = kind
-    given = ((GROUP, group), (SOFT, soft), (STROKE, stroke), (ALPHA, alpha_a), (ALPHA + 1, alpha_b))
-    for column, value in given:
-        if not isinstance(value, np.ndarray):
-            row[column] = value
-    rows = np.empty((count, COLUMNS), np.float32)
-    rows[:] = row
-    for column, value in given:
-        if isinstance(value, np.ndarray):
-            rows[:, column] = value
+    """Fill rows with what all kinds have."""
+    rows = np.zeros((count, COLUMNS), np.float32)
+    rows[:, KIND], rows[:, GROUP], rows[:, SOFT], rows[:, STROKE] = kind, group, soft, stroke
     rows[:, PAINT : PAINT + 3] = paint
+    rows[:, ALPHA], rows[:, ALPHA + 1] = alpha_a, alpha_b
     return rows
+
+
+def _points(given) -> np.ndarray:
+    """Take points as [shape, 2], which they mostly are."""
+    return given if isinstance(given, np.ndarray) and given.ndim == 2 else np.atleast_2d(given)
 
 
 def _bound(rows: np.ndarray, low: np.ndarray, high: np.ndarray, reach) -> np.ndarray:
@@ -80,21 +77,26 @@ def capsules(a, b, radius_a, radius_b, paint, alpha_a=1.0, alpha_b=None, group=0
 
     A stroke above zero is half the width of an outline, drawn instead of the filled shape.
     """
-    a, b = np.atleast_2d(a), np.atleast_2d(b)
+    low = high = a = _points(a)
+    if b is not a:
+        b = _points(b)
+        low, high = np.minimum(a, b), np.maximum(a, b)
     rows = _rows(CAPSULE, len(a), paint, alpha_a, alpha_a if alpha_b is None else alpha_b, group, soft, stroke)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = a, b
     rows[:, SIZE], rows[:, SIZE + 1] = radius_a, radius_b
-    return _bound(rows, np.minimum(a, b), np.maximum(a, b), np.maximum(radius_a, radius_b) + _edge(soft, stroke))
+    return _bound(rows, low, high, np.maximum(radius_a, radius_b) + _edge(soft, stroke))
 
 
 def discs(centre, radius, paint, alpha=1.0, group=0, soft=1.0) -> np.ndarray:
     """Draw discs around centres [shape, 2]. A ramp of `soft` pixels adds area, which the radius gives back."""
+    centre = _points(centre)
     true = np.maximum(radius * radius - soft * soft / 12, 0.0) ** 0.5
     return capsules(centre, centre, true, true, paint, alpha, group=group, soft=soft)
 
 
 def rings(centre, radius, width, paint, alpha=1.0, soft=1.0) -> np.ndarray:
     """Draw circles of a line width around centres [shape, 2]."""
+    centre = _points(centre)
     return capsules(centre, centre, radius, radius, paint, alpha, soft=soft, stroke=width / 2)
 
 
@@ -103,7 +105,7 @@ def darts(centre, heading, length, width, notch, paint, alpha=1.0) -> np.ndarray
 
     length, width: half the extent along and across the heading; notch: how deep the tail is cut.
     """
-    centre = np.atleast_2d(centre)
+    centre = _points(centre)
     rows = _rows(DART, len(centre), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = centre, heading
     rows[:, SIZE], rows[:, SIZE + 1], rows[:, TWEAK] = length, width, notch
@@ -136,6 +138,7 @@ def clipped(rows: np.ndarray, windows: np.ndarray) -> np.ndarray:
     np.maximum(bounds[:, :2], windows[..., :2], out=bounds[:, :2])
     np.minimum(bounds[:, 2:], windows[..., 2:], out=bounds[:, 2:])
     seen = (bounds[:, 2] > bounds[:, 0]) & (bounds[:, 3] > bounds[:, 1]) & ((rows[:, ALPHA] > 0) | (rows[:, ALPHA + 1] > 0))
-    kept = rows[seen]
-    kept[:, BOUNDS : BOUNDS + 4] = bounds[seen]
+    chosen = np.flatnonzero(seen)  # numbers are faster to take by than truths
+    kept = rows.take(chosen, axis=0)
+    kept[:, BOUNDS : BOUNDS + 4] = bounds.take(chosen, axis=0)
     return kept

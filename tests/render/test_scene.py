@@ -190,3 +190,12 @@ def test_whoever_leaves_the_world_stays_in_the_picture(make):
     spots = held.at(0.0).place(scene.paths.position).reshape(-1, 2)
     assert (spots > (box.left, box.top)).all()
     assert (spots < (box.right, box.bottom)).all()
+
+
+def test_what_is_kept_between_frames_changes_no_picture(chase, make):
+    """Trials end at different times; marks, trails and scenes that are over are drawn once and kept."""
+    subjects = [chase, make(ticks=60)]
+    stage = Stage(subjects, SIZE, Look(), yuv=False)
+    for time in (3.5, 4.5, 55.0, 40.5, 58.5, 3.5):
+        kept = stage.frame(time, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3)
+        assert (kept == picture(subjects, time)).all()
