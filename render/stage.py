@@ -125,7 +125,7 @@ def _around(boxes: list[Box]) -> Box:
 
 
 def _shown(view: View, cell: Box) -> Box:
-    """Give the part of a cell that a fitted view fills."""
-    box = view.reach
-    (left, bottom), (right, top) = fitted(view, cell).place(np.array([[box.left, box.top], [box.right, box.bottom]]))
+    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached."""
+    ends = np.array([[view.world.left, view.reach.top], [view.world.right, view.reach.bottom]])
+    (left, bottom), (right, top) = fitted(view, cell).place(ends)
     return Box(float(left), float(top), float(right), float(bottom))
