@@ -13,6 +13,7 @@ ORDER = [
     "registry",
     "explain",
     "scenario",
+    "presets",
     "runtime",
     "lanes",
     "rng",

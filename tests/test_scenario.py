@@ -1,12 +1,14 @@
 """Loading, overriding, checking: every mistake gives one line that names the key, the value and the mend."""
 
 import json
+import pickle
 
+import jsonschema
 import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm import scenario as module
+from tiswarm import presets as module
 from tiswarm.scenario import Scenario
 
 
@@ -142,6 +144,47 @@ def test_numbers_lists_every_numeric_key():
     assert all(np.isfinite(list(numbers.values())))
 
 
-def test_the_schema_is_json_and_knows_the_keys():
+def test_the_schema_takes_every_preset_and_refuses_what_the_loader_refuses():
     schema = json.loads(json.dumps(Scenario.model_json_schema()))
-    assert set(schema["properties"]) >= {"world", "target", "obstacles", "prey", "predators"}
+    checker = jsonschema.Draft202012Validator(schema)
+    for name, file in module.presets().items():
+        assert checker.is_valid(module.read_toml(file)), name
+    for wrong in (
+        {"prey": {"coheson": 1}},
+        {"prey": {"strategy": "explod"}},
+        {"prey": {"count": 0}},
+        {"prey": {"spawn": {"region": 3}}},
+    ):
+        assert not checker.is_valid(wrong), wrong
+
+
+def test_another_strategy_drops_the_weights_that_it_does_not_know():
+    scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": "evasive", "prey.weights.evade": 0.5})
+    assert scenario.replaced({"prey.avoidance": "none"}).prey.weights == {"evade": 0.5}
+    assert scenario.replaced({"prey.strategy": "split-evasive"}).prey.weights["evade"] == 0.5
+    with pytest.raises(tiswarm.ScenarioError, match="no weight of strategy 'split'"):
+        scenario.replaced({"prey.strategy": "split", "prey.weights.evade": 1})
+
+
+def test_a_relative_base_lies_beside_the_file_that_names_it(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "a.toml").write_text('base = "delft/centre-10"\n')
+    (tmp_path / "sub" / "b.toml").write_text('base = "a.toml"\n[prey]\ncount = 3\n')
+    assert tiswarm.load(tmp_path / "sub" / "b.toml").predators.strategy == "centre"
+
+
+def test_numbers_of_numpy_are_numbers():
+    scenario = tiswarm.load("delft/pronav-10", {"prey.count": np.int64(4), "target.position": np.array([20.0, 25.0])})
+    assert (scenario.prey.count, scenario.target.position) == (4, (20, 25))
+
+
+def test_weights_cannot_be_changed_behind_the_checks_back():
+    scenario = tiswarm.load("delft/pronav-10")
+    with pytest.raises(TypeError, match="frozen"):
+        scenario.prey.weights["push"] = float("nan")
+    assert hash(scenario) == hash(tiswarm.load("delft/pronav-10"))
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
+
+
+def test_defaults_that_a_preset_leaves_out_can_be_overridden_in_part():
+    assert tiswarm.load("delft/avoidance-10", {"predators.spawn.region.0.0": 5}).predators.spawn.region.low == (5, -7.5)

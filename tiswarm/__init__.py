@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "init": "runtime",
-    "load": "scenario",
+    "load": "presets",
     "Scenario": "scenario",
     "ScenarioError": "explain",
     "add_path": "registry",
@@ -42,11 +42,12 @@ __all__ = [
 if TYPE_CHECKING:
     from tiswarm.batch import simulate
     from tiswarm.explain import ScenarioError
+    from tiswarm.presets import load
     from tiswarm.recording import Recording
     from tiswarm.registry import add_path
     from tiswarm.results import Estimate, Results, compare
     from tiswarm.runtime import init
-    from tiswarm.scenario import Scenario, load
+    from tiswarm.scenario import Scenario
     from tiswarm.single import record
     from tiswarm.spawn import Start
 

@@ -156,16 +156,17 @@ def _frame_report(quiet: bool) -> Iterator[Callable[[int, int], None]]:
 @app.command()
 def presets() -> None:
     """List presets and studies, with one line each."""
-    from tiswarm import registry, scenario
+    from tiswarm import presets as shelf
+    from tiswarm import registry
 
     table = Table(box=None, show_header=False, pad_edge=False)
-    for name, file in scenario.presets().items():
-        table.add_row(name, scenario.read_toml(file).get("title", ""))
+    for name, file in shelf.presets().items():
+        table.add_row(name, shelf.read_toml(file).get("title", ""))
     out.print(table)
     out.print("\nStudies, for 'tiswarm bench':")
     table = Table(box=None, show_header=False, pad_edge=False)
-    for name in scenario.study_names():
-        table.add_row(name, scenario.read_toml(scenario.preset_folder() / "studies" / f"{name}.toml").get("title", ""))
+    for name in shelf.study_names():
+        table.add_row(name, shelf.read_toml(shelf.preset_folder() / "studies" / f"{name}.toml").get("title", ""))
     out.print(table)
     for kind in registry.KINDS:
         key = "prey.avoidance" if kind == "avoidance" else f"{kind}.strategy"

@@ -1,6 +1,6 @@
 """Say in one line what is wrong with a scenario: the key's path, the value, and what is allowed."""
 
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -17,7 +17,7 @@ def explained(error: ValidationError, model: type[BaseModel]) -> str:
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, ScenarioError):
         return str(cause)
-    names = [str(each) for each in first["loc"]]
+    names = [{"low": "0", "high": "1"}.get(str(each), str(each)) for each in first["loc"]]
     path = ".".join(names) or "scenario"
     if first["type"] == "extra_forbidden":
         return f"{path}: unknown key; {nearest(names[-1], _keys(model, names[:-1]))}"
@@ -61,5 +61,6 @@ def _keys(model: Any, path: list[str]) -> list[str]:
     """List the keys that a table of the scenario may have."""
     for name in path:
         field = getattr(model, "model_fields", {}).get(name)
-        model = field.annotation if field else None
+        inner = get_args(field.annotation)[0] if field and get_args(field.annotation) else field and field.annotation
+        model = model if name.isdecimal() else inner
     return list(getattr(model, "model_fields", {}))

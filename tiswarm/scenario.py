@@ -1,15 +1,12 @@
 """Scenario: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
-import os
-import tomllib
 from collections.abc import Mapping, Sequence
-from functools import cache
+from copy import deepcopy
 from hashlib import sha256
-from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NoReturn, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from tiswarm import registry
 from tiswarm.explain import ScenarioError, explained
@@ -22,7 +19,32 @@ NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=LIMIT)]
 Count = Annotated[int, Field(strict=True, ge=0, le=10_000)]
 Point = tuple[Real, Real]
-Number = Annotated[float, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value), *Real.__metadata__]
+
+
+def _one_of(kind: registry.Kind) -> Any:
+    """Let the schema name the strategies that there are; an unknown one gets its own complaint elsewhere."""
+    return Field(json_schema_extra=lambda schema: schema.update(enum=list[Any](registry.names(kind))))
+
+
+PreyStrategy = Annotated[str, _one_of("prey")]
+PredatorsStrategy = Annotated[str, _one_of("predators")]
+Avoidance = Annotated[str, _one_of("avoidance")]
+Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
+
+
+class Weights(dict[str, float]):
+    """A dictionary that never changes, so that a scenario is what it was when it was checked."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("weights are frozen; use scenario.replaced({'prey.weights.NAME': number})")
+
+    __setitem__ = __delitem__ = update = setdefault = pop = popitem = clear = __ior__ = _refuse
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(tuple(sorted(self.items())))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Weights, (dict(self),)
 
 
 class Part(BaseModel):
@@ -41,6 +63,11 @@ class Box(Part):
 
     low: Point
     high: Point
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        corner = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+        return {"title": "Box", "description": cls.__doc__, "type": "array", "items": corner, "minItems": 2, "maxItems": 2}
 
     @model_validator(mode="before")
     @classmethod
@@ -107,7 +134,7 @@ class Agents(Part):
 
     count: Count
     strategy: str
-    avoidance: str
+    avoidance: Avoidance
     radius: NotNegative  # m
     perception: NotNegative  # m
     spacing: NotNegative = 3.0  # m, closer mates are separated from
@@ -117,7 +144,9 @@ class Agents(Part):
     alignment: Real = 0.05  # 1/s
     goal: Real = 0.1  # prey: pull of the target [1/s]; predators: pull of what they pursue
     spawn: Spawn
-    weights: dict[str, Number] = {}  # numbers of the strategy and of the avoidance
+    weights: Annotated[dict[str, Number], AfterValidator(Weights)] = Field(
+        default_factory=Weights
+    )  # of the strategy and of the avoidance
 
 
 def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]:
@@ -146,8 +175,8 @@ class Prey(Agents):
     """The swarm that wants to arrive."""
 
     count: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 6
-    strategy: str = "baseline"
-    avoidance: str = "none"
+    strategy: PreyStrategy = "baseline"
+    avoidance: Avoidance = "none"
     radius: NotNegative = 0.5
     perception: NotNegative = 30.0
     spawn: Spawn = Spawn(region=Box(low=(80.0, 30.0), high=(88.0, 38.0)))
@@ -157,8 +186,8 @@ class Predators(Agents):
     """The swarm that crashes into prey."""
 
     count: Count = 0
-    strategy: str = "centre"
-    avoidance: str = "repel"
+    strategy: PredatorsStrategy = "centre"
+    avoidance: Avoidance = "repel"
     radius: NotNegative = 0.25
     perception: NotNegative = 5.0
     spawn: Spawn = Spawn(region=Box(low=(10.0, -7.5), high=(18.0, 0.5)))
@@ -197,6 +226,13 @@ class Scenario(Part):
                 filled[kind] = _with_weights({**chosen, **given}, kind)  # type: ignore[arg-type]
         return filled
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """Let presets take from a base, and name the strategies that there are."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        schema["properties"]["base"] = {"type": "string", "description": "A preset that this one changes."}
+        return schema
+
     def to_json(self) -> str:
         """Write the scenario as JSON, keys in a fixed order."""
         return json.dumps(_plain(self), sort_keys=True)
@@ -204,7 +240,7 @@ class Scenario(Part):
     @classmethod
     def from_json(cls, text: str) -> "Scenario":
         """Read what `to_json` wrote. Errors: ScenarioError."""
-        return _validated(json.loads(text))
+        return validated(json.loads(text))
 
     def to_toml(self) -> str:
         """Write the scenario as a preset, defaults filled in."""
@@ -223,7 +259,7 @@ class Scenario(Part):
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
         """Give the scenario with some keys changed. Errors: ScenarioError."""
-        return _validated(_overridden(_plain(self), overrides))
+        return validated(overridden(_plain(self), overrides))
 
 
 def _plain(value: Any) -> Any:
@@ -232,6 +268,8 @@ def _plain(value: Any) -> Any:
         return [list(value.low), list(value.high)]
     if isinstance(value, Part):
         return {key: _plain(getattr(value, key)) for key in type(value).model_fields}
+    if isinstance(value, Weights):
+        return dict(value)
     if isinstance(value, tuple):
         return [_plain(each) for each in value]
     return value
@@ -248,59 +286,20 @@ def _leaves(value: Any, path: str = "") -> list[tuple[str, Any]]:
     return [leaf for key, each in items for leaf in _leaves(each, f"{path}.{key}" if path else str(key))]
 
 
-def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) -> Scenario:
-    """Load a preset by name or a TOML file by path, and change some of its keys.
-
-    overrides: dotted path -> value, as in {"prey.strategy": "evasive", "obstacles.region.0.0": 20}.
-
-    Errors: ScenarioError, one line that names the key, the value and what is allowed.
-    """
-    name = os.fspath(preset)
-    file = find(name)
-    known = {path: each for each, path in presets().items()}
-    return _validated(_overridden({**_table(name), "preset": known.get(file, file.name)}, overrides or {}))
-
-
-def _validated(table: dict[str, Any]) -> Scenario:
+def validated(table: dict[str, Any]) -> Scenario:
+    """Build a scenario from a table as presets write it. Errors: ScenarioError."""
     try:
         return Scenario.model_validate(table)
     except ValidationError as error:
         raise ScenarioError(explained(error, Scenario)) from None
 
 
-def _table(preset: str, above: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Read a preset's TOML, with what it takes from its base."""
-    if preset in above:
-        raise ScenarioError(f"base: {' -> '.join((*above, preset))} is a circle; drop one 'base' key")
-    table = read_toml(find(preset))
-    base = table.pop("base", None)
-    if base is None:
-        return table
-    if not isinstance(base, str):
-        raise ScenarioError(f"base: {base!r} is not a preset's name")
-    return _merged(_table(base, (*above, preset)), table)
+def overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """Change keys of a table; with another strategy or avoidance, weights that it does not know go.
 
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file. Errors: ScenarioError."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: not valid TOML: {error}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from None
-
-
-def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    out = dict(below)
-    for key, value in above.items():
-        both = isinstance(value, dict) and isinstance(out.get(key), dict)
-        out[key] = _merged(out[key], value) if both else value
-    return out
-
-
-def _overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    out = json.loads(json.dumps(table))
+    Errors: ScenarioError.
+    """
+    out = deepcopy(table)
     for path, value in overrides.items():
         *above, last = path.split(".")
         place: Any = out
@@ -308,43 +307,28 @@ def _overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str
             place = place[_index(place, key, path)] if isinstance(place, list) else place.setdefault(key, {})
             if not isinstance(place, dict | list):
                 raise ScenarioError(f"{path}: '{key}' holds a value, not a table")
-        place[_index(place, last, path) if isinstance(place, list) else last] = value
+        plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy's numbers and arrays
+        place[_index(place, last, path) if isinstance(place, list) else last] = plain
+    for kind in ("prey", "predators"):
+        if f"{kind}.strategy" in overrides or f"{kind}.avoidance" in overrides:
+            _drop_stale_weights(out, kind, overrides)
     return out
 
 
+def _drop_stale_weights(table: dict[str, Any], kind: registry.Kind, overrides: Mapping[str, Any]) -> None:
+    agents = table[kind]
+    weights = agents.get("weights")
+    chosen = [agents.get("strategy", ""), agents.get("avoidance", "")]
+    known = [name for name, where in zip(chosen, (kind, "avoidance"), strict=True) if name in registry.names(where)]
+    if isinstance(weights, dict) and len(known) == 2 and f"{kind}.weights" not in overrides:
+        kept = registry.defaults(kind, chosen[0]) | registry.defaults("avoidance", chosen[1])
+        agents["weights"] = {
+            key: value for key, value in weights.items() if key in kept or f"{kind}.weights.{key}" in overrides
+        }
+
+
 def _index(items: list[Any], key: str, path: str) -> int:
-    if not key.isdigit() or int(key) >= len(items):
-        raise ScenarioError(f"{path}: '{key}' is no place in a list of {len(items)}; use 0 to {len(items) - 1}")
+    if not (key.isascii() and key.isdecimal()) or int(key) >= len(items):
+        places = f"use 0 to {len(items) - 1}" if items else "it is empty"
+        raise ScenarioError(f"{path}: '{key}' is no place in a list of {len(items)}; {places}")
     return int(key)
-
-
-def preset_folder() -> Path:
-    """Find the presets: inside an installed wheel, or beside the package in a checkout."""
-    package = Path(__file__).parent
-    inside = package / "presets"
-    return inside if inside.is_dir() else package.parent / "presets"
-
-
-@cache
-def presets() -> dict[str, Path]:
-    """Map preset names (studies left out) to their files."""
-    folder = preset_folder()
-    found = {file.relative_to(folder).with_suffix("").as_posix(): file for file in sorted(folder.glob("*/*.toml"))}
-    return {name: file for name, file in found.items() if not name.startswith("studies/")}
-
-
-def study_names() -> list[str]:
-    """List the studies that ship with tiswarm."""
-    return sorted(file.stem for file in (preset_folder() / "studies").glob("*.toml"))
-
-
-def find(preset: str) -> Path:
-    """Find a preset's file: a path, a full name, or the plain name of a demo. Errors: ScenarioError."""
-    if preset.endswith(".toml"):
-        return Path(preset)
-    known = presets()
-    file = known.get(preset) or known.get(f"demo/{preset}")
-    if file is None:
-        hint = registry.nearest(preset, list(known))
-        raise ScenarioError(f"preset: unknown '{preset}'; {hint} (list them with 'tiswarm presets')")
-    return file

@@ -15,10 +15,11 @@ from pydantic import Field, ValidationError
 
 from tiswarm.batch import Progress, simulate_many
 from tiswarm.explain import ScenarioError, explained
+from tiswarm.presets import load, preset_folder, read_toml, study_names
 from tiswarm.progress import reporting
 from tiswarm.registry import nearest
 from tiswarm.results import Estimate, Results, manifest, write_text
-from tiswarm.scenario import Part, Positive, load, preset_folder, read_toml, study_names
+from tiswarm.scenario import Part, Positive
 
 MEASURES = ("success", "time", "impact_spread")
 """What a study's rows compare."""

@@ -4,7 +4,7 @@ import time
 from dataclasses import dataclass
 
 from tiswarm.batch import simulate
-from tiswarm.scenario import load
+from tiswarm.presets import load
 
 
 @dataclass(frozen=True)
