@@ -32,9 +32,8 @@ def test_each_verb_has_help(verb):
     done = _run(verb, "--help")
     assert done.returncode == 0
     assert "--help" in done.stdout
-    if verb != "presets":
-        for option in ("--seed", "--threads", "--precision", "--quiet"):
-            assert option in done.stdout
+    for option in ("--seed", "--threads", "--precision", "--quiet"):
+        assert option in done.stdout
 
 
 def test_without_a_verb_it_shows_help():

@@ -88,6 +88,21 @@ def test_a_file_that_is_no_recording_is_named(content, tmp_path):
         tiswarm.Recording.load(file)
 
 
+@pytest.mark.parametrize("name", ["seed", "prey_position", "prey_velocity", "prey_fate", "obstacle_position"])
+def test_an_archive_with_one_wrong_array_is_no_recording(name, path, tmp_path):
+    stored = dict(np.load(path.save(tmp_path / "x.npz")))
+    np.savez(tmp_path / "x.npz", **{**stored, name: np.array(["a", "b"])})
+    with pytest.raises(ValueError, match="not a recording"):
+        tiswarm.Recording.load(tmp_path / "x.npz")
+
+
+def test_a_single_array_is_no_recording(tmp_path):
+    with (tmp_path / "x.npz").open("wb") as file:
+        np.save(file, np.zeros(3))
+    with pytest.raises(ValueError, match="not a recording"):
+        tiswarm.Recording.load(tmp_path / "x.npz")
+
+
 def test_an_archive_of_something_else_is_no_recording(tmp_path):
     np.savez(tmp_path / "x.npz", a=np.zeros(3))
     with pytest.raises(ValueError, match="not a recording"):

@@ -64,6 +64,10 @@ def main() -> NoReturn:
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
+    except MemoryError:
+        code = _complain("out of memory; run fewer trials or agents at once", 1)
+    except RecursionError:
+        code = _complain("a value is nested too deeply", 2)
     except (OSError, RuntimeError) as error:
         code = _complain(_fault(error), 1)
     except ValueError as error:
@@ -71,6 +75,8 @@ def main() -> NoReturn:
     except typer.Exit as stop:
         code = stop.exit_code
     except Exception as error:
+        if type(error).__module__.startswith("taichi"):  # a strategy of the user's that does not compile
+            sys.exit(_complain(f"a strategy cannot be compiled: {str(error).splitlines()[-1]}", 2))
         message = getattr(error, "format_message", None)  # wrong options, as typer's own parser finds them
         if message is None:
             raise
@@ -154,11 +160,19 @@ def _frame_report(quiet: bool) -> Iterator[Callable[[int, int], None]]:
 
 
 @app.command()
-def presets() -> None:
-    """List presets and studies, with one line each."""
+def presets(
+    strategy_path: StrategyPath = None,
+    seed: Seed = 0,  # noqa: ARG001 - every verb takes the same four
+    threads: Threads = None,  # noqa: ARG001
+    precision: Precision = "f32",  # noqa: ARG001
+    quiet: Quiet = False,  # noqa: ARG001
+) -> None:
+    """List presets, studies and strategies, with one line each."""
     from tiswarm import presets as shelf
     from tiswarm import registry
 
+    for folder in strategy_path or []:
+        registry.add_path(folder)
     table = Table(box=None, show_header=False, pad_edge=False)
     for name, file in shelf.presets().items():
         table.add_row(name, shelf.read_toml(file).get("title", ""))
@@ -228,6 +242,8 @@ def run(
 
     _start(seed, threads, precision, strategy_path)
     scenario = _scenario(preset, sets)
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)  # before the work, not after it
     started = time.perf_counter()
     results = tiswarm.simulate(scenario, trials, seed, progress=not quiet)
     seconds = time.perf_counter() - started

@@ -1,15 +1,15 @@
 """One trial's path, tick by tick: save it, load it, check it."""
 
-import json
 import os
 import zipfile
+import zlib
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from tiswarm.files import replacing
-from tiswarm.scenario import Scenario, ScenarioError
+from tiswarm.scenario import Scenario
 
 FATES = ("alive", "arrived", "captured", "crashed")
 
@@ -89,30 +89,29 @@ class Recording:
         Errors: ValueError when the file is no recording; OSError when it cannot be read.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
-                if not isinstance(stored, np.lib.npyio.NpzFile):
-                    raise ValueError("not an .npz file")
+            stored = np.load(path, allow_pickle=False)
+            if not isinstance(stored, np.lib.npyio.NpzFile):
+                raise ValueError("not an .npz file")
+            with stored:
                 prey, predators = (
                     Swarm(*(stored[f"{kind}_{f.name}"] for f in fields(Swarm))) for kind in ("prey", "predators")
                 )
-                recording = cls(
-                    Scenario.from_json(str(stored["scenario"])),
-                    int(stored["seed"]),
-                    int(stored["trial"]),
-                    prey,
-                    predators,
-                    stored["obstacle_position"],
-                    stored["obstacle_radius"],
-                )
-        except (KeyError, ValueError, EOFError, zipfile.BadZipFile, json.JSONDecodeError, ScenarioError) as error:
+                scenario = Scenario.from_json(str(stored["scenario"]))
+                numbers = (int(stored["seed"]), int(stored["trial"]))
+                obstacles = (stored["obstacle_position"], stored["obstacle_radius"])
+                recording = cls(scenario, *numbers, prey, predators, *obstacles)
+            recording.check()
+        except (KeyError, ValueError, TypeError, IndexError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            reason = " ".join(str(error).split())
             raise ValueError(
-                f"{path}: not a recording of tiswarm ({error}); make one with tiswarm.record(...).save(...)"
+                f"{path}: not a recording of tiswarm ({reason}); make one with tiswarm.record(...).save(...)"
             ) from None
-        recording.check()
         return recording
 
     def check(self) -> None:
-        """Raise ValueError unless shapes agree, fates are known and nobody returns once gone."""
+        """Raise ValueError unless shapes agree, numbers are finite, fates are known and nobody returns once gone."""
+        if self.prey.position.ndim != 3:
+            raise ValueError("recording: prey position is not [tick, agent, dim]")
         rows = self.ticks + 1
         for name, swarm in (("prey", self.prey), ("predators", self.predators)):
             shape = (rows, swarm.count, self.dim)
@@ -122,5 +121,10 @@ class Recording:
                 raise ValueError(f"recording: {name} fate must hold one of {', '.join(FATES)} for each agent")
             if swarm.state.shape != (rows, swarm.count) or swarm.group.shape != (rows, swarm.count):
                 raise ValueError(f"recording: {name} state and group are not both of shape {(rows, swarm.count)}")
+            if not np.isfinite(swarm.velocity[swarm.alive]).all():
+                raise ValueError(f"recording: {name} velocity is not finite where they are alive")
             if (swarm.alive[1:] & ~swarm.alive[:-1]).any():
                 raise ValueError(f"recording: an agent of {name} returns after it was gone")
+        count = len(self.obstacle_radius) if self.obstacle_radius.ndim == 1 else -1
+        if self.obstacle_position.shape != (count, self.dim) or not np.isfinite(self.obstacle_position).all():
+            raise ValueError("recording: obstacle position and radius do not fit each other")
