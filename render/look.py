@@ -5,8 +5,8 @@ from typing import Any
 
 from render.theme import Theme, theme_named
 
-OVERLAYS = ("perception", "velocity", "links", "field", "density", "coverage")
-"""Perception circles, velocity lines, lines between neighbours, the obstacles' push, a heat map of agents, cleaned ground."""
+OVERLAYS = ("perception", "velocity", "links", "density", "coverage")
+"""Perception circles, velocity lines, lines between neighbours, a heat map of agents, cleaned ground."""
 
 Corners = tuple[tuple[float, float], tuple[float, float]]
 

@@ -1,4 +1,4 @@
-"""Overlays: what agents see, where they go, whom they flock with, how obstacles push, where it is crowded or was cleaned."""
+"""Overlays: what agents see, where they go, whom they flock with, where it is crowded or was cleaned."""
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from tiswarm.recording import Recording
 
 CELLS = 96
 """Cells of a heat map or a coverage map along the world's longer side."""
-
-ARROWS = 36
-"""Arrows of the obstacle field along the world's longer side."""
 
 LINKED = 2000
 """With more agents than this, links between neighbours would cover everything, and are left out."""
@@ -29,28 +26,6 @@ class Overlays:
         self._cell = max(width, height) / CELLS
         self._shape = int(np.ceil(width / self._cell)), int(np.ceil(height / self._cell))
         self._cleaned = self._first_visits() if "coverage" in names else None
-
-    def ground(self, camera: Camera) -> np.ndarray:
-        """Draw what stands still: the obstacles' push as arrows."""
-        if "field" not in self._names or not len(self._recording.obstacle_radius):
-            return NONE
-        width, height = self._recording.scenario.world.size[:2]
-        step = max(width, height) / ARROWS
-        x, y = (each.ravel() for each in np.meshgrid(np.arange(step / 2, width, step), np.arange(step / 2, height, step)))
-        points = np.stack([x, y], axis=1)
-        away = points[:, None] - self._recording.obstacle_position[None, :, :2]
-        gap = np.linalg.norm(away, axis=2) - self._recording.obstacle_radius
-        strength = np.exp(-np.maximum(gap, 0) / 4)
-        push = (away / np.maximum(np.linalg.norm(away, axis=2, keepdims=True), 1e-9) * strength[..., None]).sum(axis=1)
-        size = np.linalg.norm(push, axis=1)
-        outside = (gap > 0).all(axis=1) & (size > 0.05)
-        points, push, size = points[outside], push[outside], np.minimum(size[outside], 1)[:, None]
-        turn = camera.turn(points, push)
-        centre, half = camera.place(points), size * 0.42 * step * camera.scale * turn
-        thick = 0.8 * self._unit
-        return capsules(
-            centre + half, centre - half, thick * 1.6, thick * 0.3, self._theme["line"], 0.6 * size[:, 0], 0.15 * size[:, 0]
-        )
 
     def below(self, here: Now, camera: Camera) -> np.ndarray:
         """Draw what lies under the agents."""

@@ -57,8 +57,7 @@ class Scene:
 
     def ground(self, camera: Camera) -> np.ndarray:
         """Draw the world: everything that stands still."""
-        still = world.ground(self.recording, self.theme, self._atlas, self.unit, camera)
-        return np.concatenate([still, self._overlays.ground(camera)])
+        return world.ground(self.recording, self.theme, self._atlas, self.unit, camera)
 
     def frame(self, time: float, camera: Camera) -> list[np.ndarray]:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on."""

@@ -286,7 +286,7 @@ def film(
         str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
     ] = "fit",
     overlay: Annotated[
-        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, field, density, coverage.")
+        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage.")
     ] = "",
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
     sets: Sets = None,
