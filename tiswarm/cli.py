@@ -239,11 +239,12 @@ def run(
     """Run many trials of a scenario and print what came out."""
     import tiswarm
     from tiswarm import tables
+    from tiswarm.files import check_writable
 
     _start(seed, threads, precision, strategy_path)
     scenario = _scenario(preset, sets)
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)  # before the work, not after it
+        check_writable(output)  # before the work, not after it
     started = time.perf_counter()
     results = tiswarm.simulate(scenario, trials, seed, progress=not quiet)
     seconds = time.perf_counter() - started

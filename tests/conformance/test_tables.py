@@ -53,9 +53,19 @@ def test_published_rows_must_be_rows_of_the_study(tmp_path):
         run_study(str(tmp_path / "s.toml"), 2)
 
 
+def test_a_study_without_rows_is_refused(tmp_path):
+    from tiswarm import ScenarioError
+
+    (tmp_path / "s.toml").write_text('title = "t"\ntables = []\n')
+    with pytest.raises(ScenarioError, match="tables"):
+        load_study(str(tmp_path / "s.toml"))
+
+
 def test_a_misspelt_key_of_a_study_is_named(tmp_path):
     from tiswarm import ScenarioError
 
-    (tmp_path / "s.toml").write_text('title = "t"\ntables = []\ntrails = 3\n')
+    (tmp_path / "s.toml").write_text(
+        'title = "t"\ntrails = 3\ntables = [{ name = "a", title = "a", base = "b", key = "k", values = ["v"] }]\n'
+    )
     with pytest.raises(ScenarioError, match="trails: unknown key; did you mean 'trials'"):
         load_study(str(tmp_path / "s.toml"))
