@@ -14,7 +14,7 @@ _HOMES = {
     "Scenario": "scenario",
     "ScenarioError": "explain",
     "add_path": "registry",
-    "Start": "spawn",
+    "Start": "start",
     "simulate": "batch",
     "record": "single",
     "Results": "results",
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from tiswarm.runtime import init
     from tiswarm.scenario import Scenario
     from tiswarm.single import record
-    from tiswarm.spawn import Start
+    from tiswarm.start import Start
 
 
 def __getattr__(name: str) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 
 from tiswarm import rng, runtime, trials
 from tiswarm.explain import ScenarioError
-from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, OBSTACLE_ROWS, Structure
+from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Structure
 from tiswarm.progress import reporting
 from tiswarm.registry import nearest
 from tiswarm.results import Results
@@ -47,7 +47,7 @@ class Blocks:
         self.dtype = types.dtype
         self.prey = runtime.aligned((blocks * prey * rows["prey"], LANES), types.dtype)
         self.predators = runtime.aligned((blocks * predators * rows["predators"], LANES), types.dtype)
-        self.obstacles = runtime.aligned((blocks * obstacles * OBSTACLE_ROWS, LANES), types.dtype)
+        self.obstacles = runtime.aligned((blocks * obstacles * self.layout.obstacle_rows, LANES), types.dtype)
         self.numbers = runtime.aligned((blocks * len(self.layout.paths), LANES), types.dtype)
         self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
         self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)

@@ -4,10 +4,9 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.lanes import anywhere, larger, near, safe
+from tiswarm.lanes import anywhere, dot, larger, near, safe
 from tiswarm.layout import (
     AGE,
-    ALIVE,
     ALIVE_COUNT,
     ARRIVED,
     ARRIVED_COUNT,
@@ -16,26 +15,23 @@ from tiswarm.layout import (
     CRASHED,
     CRASHED_COUNT,
     DONE,
-    FATE,
-    FIELD_X,
-    FIELD_Y,
     FIRST_ARRIVAL,
-    HIT,
     LAST_ARRIVAL,
     ON,
     Layout,
-    X,
-    Y,
 )
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
     """Build `judge`."""
     lanes = types.lanes
-    at = layout.at
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
+    frame = layout.structure.frame
     hunted = layout.structure.hunted
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
+    prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
+    prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
 
     def meets_obstacles(kind: str):
         fields = layout.parts(kind, "avoidance", "field")
@@ -44,13 +40,11 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         def meet(agents: ti.template(), a, me, obstacles: ti.template(), numbers: ti.template(), b, count, target):
             """Store the fields' pull on an agent and give 1 where it touches an obstacle: both need the same distances."""
             touched = lanes(0.0)
-            field_x = lanes(0.0)
-            field_y = lanes(0.0)
+            pull = [lanes(0.0) for _ in ti.static(range(dim))]
             for j in range(count):
                 obstacle = see.obstacle_at(obstacles, b, count, j)
-                x = me.x - obstacle.x
-                y = me.y - obstacle.y
-                distance2 = x * x + y * y
+                away = see.gap(me, obstacle, numbers, b)
+                distance2 = dot(away, away)
                 size = me.radius + obstacle.radius
                 touched += ti.select(distance2 < size * size, 1.0, 0.0)
                 for p in ti.static(fields):
@@ -58,12 +52,12 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
                     reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
                     inside = distance2 <= reach * reach
                     if anywhere(inside):
-                        push_x, push_y = p.strategy.field(x, y, safe(distance2), me, obstacle, target, weights)
+                        push = p.strategy.field(away, safe(distance2), me, obstacle, target, weights)
                         share = ti.select(inside, weights.on, 0.0)
-                        field_x += share * push_x
-                        field_y += share * push_y
-            agents[a + FIELD_X] = field_x
-            agents[a + FIELD_Y] = field_y
+                        for k in ti.static(range(dim)):
+                            pull[k] += share * push[k]
+            for k in ti.static(range(dim)):
+                agents[a + rows.field[k]] = pull[k]
             return ti.select(touched > 0.5, 1.0, 0.0)
 
         return meet
@@ -72,17 +66,29 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
     meet_predators = meets_obstacles("predators")
 
     @ti.func
+    def reached(me: ti.template(), target, numbers: ti.template(), b, depth):
+        """Give 1 where an agent's centre is within `depth` of the target's."""
+        inside = lanes(0.0)
+        if ti.static(frame.targeted):
+            way = see.gap(me, target, numbers, b)
+            inside = near(dot(way, way), depth)
+        return inside
+
+    @ti.func
+    def die(agents: ti.template(), a, alive, dies, fate: ti.template()):
+        agents[a + rows.alive] = alive - dies
+        agents[a + rows.fate] = ti.select(dies > 0.5, float(fate), agents[a + rows.fate])
+
+    @ti.func
     def crash_predators(predators: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, counts, moved, target):
         limits = see.limits_of(numbers, b, at.predators)
         for j in range(counts[1]):
             q = (b * counts[1] + j) * predator_rows
-            me = see.me_at(predators, q, j, limits)
+            me = predator_at(predators, q, j, limits)
             touched = meet_predators(predators, q, me, obstacles, numbers, b, counts[2], target)
-            x = me.x - target.x
-            y = me.y - target.y
-            crashed = moved * me.alive * ti.max(touched, near(x * x + y * y, target.radius))
-            predators[q + ALIVE] = me.alive - crashed
-            predators[q + FATE] = ti.select(crashed > 0.5, float(CRASHED), predators[q + FATE])
+            if ti.static(not frame.counts_hits):
+                crashed = moved * me.alive * ti.max(touched, reached(me, target, numbers, b, target.radius))
+                die(predators, q, me.alive, crashed, CRASHED)
 
     @ti.func
     def crash_prey(prey: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, counts, moved, target):
@@ -90,43 +96,44 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         crashed_count = lanes(0.0)
         for i in range(counts[0]):
             a = (b * counts[0] + i) * prey_rows
-            me = see.me_at(prey, a, i, limits)
-            crashed = moved * me.alive * meet_prey(prey, a, me, obstacles, numbers, b, counts[2], target)
-            prey[a + ALIVE] = me.alive - crashed
-            prey[a + FATE] = ti.select(crashed > 0.5, float(CRASHED), prey[a + FATE])
-            crashed_count += crashed
+            me = prey_at(prey, a, i, limits)
+            touched = moved * me.alive * meet_prey(prey, a, me, obstacles, numbers, b, counts[2], target)
+            if ti.static(frame.counts_hits):
+                prey[a + rows.hit] = larger(prey[a + rows.hit], touched)
+            else:
+                die(prey, a, me.alive, touched, CRASHED)
+                crashed_count += touched
         return crashed_count
 
     @ti.func
     def capture(prey: ti.template(), predators: ti.template(), numbers: ti.template(), b, counts, moved):
-        """Let pairs kill, all judged on the same lists: one predator can take two prey at once, and both sides die."""
+        """Let pairs kill, all judged on the same lists: one predator can take two prey at once; of a deadly touch both die."""
         n = b * width
         reach = numbers[n + at.prey.radius] + numbers[n + at.predators.radius]
         reach2 = reach * reach
         captured_count = lanes(0.0)
         for j in range(counts[1]):
-            predators[(b * counts[1] + j) * predator_rows + HIT] = lanes(0.0)
+            predators[(b * counts[1] + j) * predator_rows + rows.hit] = lanes(0.0)
         for i in range(counts[0]):
             a = (b * counts[0] + i) * prey_rows
-            x, y, alive = prey[a + X], prey[a + Y], prey[a + ALIVE]
+            me = prey_mate(prey, a, i)
             captured = lanes(0.0)
             for j in range(counts[1]):
                 q = (b * counts[1] + j) * predator_rows
-                to_x = x - predators[q + X]
-                to_y = y - predators[q + Y]
-                touch = to_x * to_x + to_y * to_y < reach2
+                hunter = predator_mate(predators, q, j)
+                way = see.gap(me, hunter, numbers, b)
+                touch = dot(way, way) < reach2
                 if anywhere(touch):
-                    hit = ti.select(touch, moved * alive * predators[q + ALIVE], 0.0)
+                    hit = ti.select(touch, moved * me.alive * hunter.alive, 0.0)
                     captured = ti.max(captured, hit)
-                    predators[q + HIT] = ti.max(predators[q + HIT], hit)
-            prey[a + ALIVE] = alive - captured
-            prey[a + FATE] = ti.select(captured > 0.5, float(CAPTURED), prey[a + FATE])
+                    predators[q + rows.hit] = ti.max(predators[q + rows.hit], hit)
+            die(prey, a, me.alive, captured, CAPTURED)
             captured_count += captured
-        if anywhere(captured_count > 0.5):
-            for j in range(counts[1]):
-                q = (b * counts[1] + j) * predator_rows
-                predators[q + ALIVE] = predators[q + ALIVE] - predators[q + HIT]
-                predators[q + FATE] = ti.select(predators[q + HIT] > 0.5, float(CAPTURED), predators[q + FATE])
+        if ti.static(frame.contact == "deadly"):  # noqa: SIM102 - one branch at compile time, one at run time
+            if anywhere(captured_count > 0.5):
+                for j in range(counts[1]):
+                    q = (b * counts[1] + j) * predator_rows
+                    die(predators, q, predators[q + rows.alive], predators[q + rows.hit], CAPTURED)
         return captured_count
 
     @ti.func
@@ -137,13 +144,11 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         alive_count = lanes(0.0)
         for i in range(counts[0]):
             a = (b * counts[0] + i) * prey_rows
-            x = prey[a + X] - target.x
-            y = prey[a + Y] - target.y
-            arrived = moved * prey[a + ALIVE] * near(x * x + y * y, depth)
-            prey[a + ALIVE] = prey[a + ALIVE] - arrived
-            prey[a + FATE] = ti.select(arrived > 0.5, float(ARRIVED), prey[a + FATE])
+            me = prey_mate(prey, a, i)
+            arrived = moved * me.alive * reached(me, target, numbers, b, depth)
+            die(prey, a, me.alive, arrived, ARRIVED)
             arrived_count += arrived
-            alive_count += prey[a + ALIVE]
+            alive_count += me.alive - arrived
         first = (clock[b, ARRIVED_COUNT] < 0.5) & (arrived_count > 0.5)
         clock[b, FIRST_ARRIVAL] = ti.select(first, clock[b, AGE], clock[b, FIRST_ARRIVAL])
         clock[b, LAST_ARRIVAL] = ti.select(arrived_count > 0.5, clock[b, AGE], clock[b, LAST_ARRIVAL])
@@ -169,7 +174,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         if ti.static(hunted):
             crash_predators(predators, obstacles, numbers, b, counts, moved, target)
         clock[b, CRASHED_COUNT] = clock[b, CRASHED_COUNT] + crash_prey(prey, obstacles, numbers, b, counts, moved, target)
-        if ti.static(hunted):
+        if ti.static(hunted and frame.contact in ("deadly", "eaten")):
             clock[b, CAPTURED_COUNT] = clock[b, CAPTURED_COUNT] + capture(prey, predators, numbers, b, counts, moved)
         alive_count = arrive(prey, numbers, clock, b, counts, moved, target)
         clock[b, ALIVE_COUNT] = alive_count

@@ -18,6 +18,8 @@ def explained(error: ValidationError, model: type[BaseModel]) -> str:
     if isinstance(cause, ScenarioError):
         return str(cause)
     names = [{"low": "0", "high": "1"}.get(str(each), str(each)) for each in first["loc"]]
+    if "weights" in names:  # what follows a weight's name says which type of number was tried
+        names = names[: names.index("weights") + 2]
     path = ".".join(names) or "scenario"
     if first["type"] == "extra_forbidden":
         return f"{path}: unknown key; {nearest(names[-1], _keys(model, names[:-1]))}"
@@ -46,6 +48,8 @@ def _allowed(complaint: Any) -> str:
             return f"use {limits['expected']}"
         case "value_error":
             return str(limits["error"])
+        case "too_short" | "too_long":
+            return "use two numbers, or three in a deep world" if "tuple" in complaint["msg"].lower() else complaint["msg"]
         case "dict_type" | "model_type" | "model_attributes_type":
             return "use a table"
         case _:

@@ -4,192 +4,96 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.flocking import flock, see_mate
-from tiswarm.lanes import capped, larger
-from tiswarm.layout import (
-    AGE,
-    ALIVE,
-    FIELD_X,
-    FIELD_Y,
-    NEXT_VX,
-    NEXT_VY,
-    NEXT_X,
-    NEXT_Y,
-    SEEN,
-    TICK,
-    TRIAL,
-    VX,
-    VY,
-    Layout,
-    X,
-    Y,
-)
-from tiswarm.rng import STRATEGY
+from tiswarm import rng, sense, step
+from tiswarm.lanes import anywhere, minus, motion
+from tiswarm.layout import AGE, TICK, TRIAL, Layout
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform) -> SimpleNamespace:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes = types.lanes
-    at = layout.at
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
+    frame = layout.structure.frame
+    sensed = sense.build(layout, types, see)
+    steps = step.build(layout, see)
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
+    prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
+    memory_of, swarm_of, threat_to = sensed.memory_of, sensed.swarm_of, sensed.threat_to
+    flock_prey, turn_prey, deflect_prey = (each["prey"] for each in (sensed.flock, sensed.turn, sensed.deflect))
+    flock_predators, turn_predators, deflect_predators = (
+        each["predators"] for each in (sensed.flock, sensed.turn, sensed.deflect)
+    )
     strategies = layout.parts("prey", "strategy")
-    pursuits = layout.parts("predators", "strategy")
-    remembering = [p for p in strategies if p.memory]
     kicking = [p for p in strategies if p.strategy.dice]
-    watching = layout.structure.hunted and any(p.strategy.watches for p in strategies)
-
-    def flocks(kind: str):
-        columns, rows = getattr(at, kind), layout.agent_rows[kind]
-        choosy = layout.parts(kind, "strategy", "mates")
-
-        @ti.func
-        def counted(numbers: ti.template(), b, me, mate):
-            """Give 1 for a mate that is there and that all strategies count as one, else 0."""
-            counts = mate.alive
-            for p in ti.static(choosy):
-                weights = see.weights_of(p, numbers, b)
-                chosen = p.strategy.mates(me, mate, weights)
-                if ti.static(p.part.mixed):  # noqa: SIM108 - a branch at compile time
-                    counts = counts * (1.0 - weights.on * (1.0 - chosen))
-                else:
-                    counts = counts * chosen
-            return counts
-
-        @ti.func
-        def steer_by_mates(agents: ti.template(), numbers: ti.template(), b, count, me):
-            """Separation, cohesion and alignment: what the mates in sight add to the velocity."""
-            n = b * width
-            spacing = ti.min(numbers[n + columns.spacing], me.perception)
-            perception2 = me.perception * me.perception
-            spacing2 = spacing * spacing
-            mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(7))])
-            for j in range(count):
-                mate = see.mate_at(agents, (b * count + j) * rows, j)
-                see_mate(mates, me, mate, counted(numbers, b, me, mate), perception2, spacing2)
-            # The loop has no branch that leaves the agent itself out: its distance is zero, so only these know.
-            own = counted(numbers, b, me, me)
-            mates.n += -1.0 * own
-            mates.vx += -1.0 * own * me.vx
-            mates.vy += -1.0 * own * me.vy
-            return flock(
-                me, mates, numbers[n + columns.cohesion], numbers[n + columns.separation], numbers[n + columns.alignment]
-            )
-
-        return steer_by_mates
-
-    def turns(kind: str):
-        turning = layout.parts(kind, "avoidance", "blocks")
-
-        @ti.func
-        def turned(obstacles: ti.template(), numbers: ti.template(), b, count, me, x, y):
-            """Rotate the course once if any obstacle blocks it."""
-            for p in ti.static(turning):
-                weights = see.weights_of(p, numbers, b)
-                course = see.Course(x=x, y=y)
-                blocked = lanes(0.0)
-                for j in range(count):
-                    blocked += p.strategy.blocks(me, course, see.obstacle_at(obstacles, b, count, j), weights)
-                cosine, sine = p.strategy.turn(weights)
-                rotated = (blocked > 0.5) & (weights.on > 0.5)
-                cosine = ti.select(rotated, cosine, 1.0)
-                sine = ti.select(rotated, sine, 0.0)
-                x = cosine * course.x - sine * course.y
-                y = sine * course.x + cosine * course.y
-            return x, y
-
-        return turned
+    remembering = [p for p in strategies if "remember" in p.own]
+    starting = [p for p in strategies if "start" in p.own]
+    pursuits = layout.parts("predators", "strategy")
+    deflected = {kind: bool(layout.parts(kind, "avoidance", "deflect")) for kind in layout.agent_rows}
 
     @ti.func
-    def swarm_of(prey: ti.template(), b, count, age):
-        """Give the means over the alive prey, zero when there are none."""
-        swarm = see.Swarm(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0), vx=lanes(0.0), vy=lanes(0.0), age=age)
+    def dice_of(integer: ti.template(), b, i, purpose: ti.template(), key_low, key_high):
+        first, second, _, _ = uniform(key_low, key_high, integer[b, TRIAL], purpose, i, integer[b, TICK])
+        return see.Dice(a=first, b=second)
+
+    @ti.func
+    def begin(prey: ti.template(), numbers: ti.template(), b, count, fresh):
+        """Give strategies' memory its first values."""
+        limits = see.limits_of(numbers, b, at.prey)
         for i in range(count):
             a = (b * count + i) * prey_rows
-            alive = prey[a + ALIVE]
-            swarm.n += alive
-            swarm.x += alive * prey[a + X]
-            swarm.y += alive * prey[a + Y]
-            swarm.vx += alive * prey[a + VX]
-            swarm.vy += alive * prey[a + VY]
-        share = 1.0 / larger(swarm.n, 1.0)
-        swarm.x = share * swarm.x
-        swarm.y = share * swarm.y
-        swarm.vx = share * swarm.vx
-        swarm.vy = share * swarm.vy
-        return swarm
-
-    @ti.func
-    def threat_to(me, predators: ti.template(), b, count):
-        threat = see.Threat(n=lanes(0.0), x=lanes(0.0), y=lanes(0.0))
-        if ti.static(watching):
-            reach2 = me.perception * me.perception
-            for j in range(count):
-                q = (b * count + j) * predator_rows
-                x = me.x - predators[q + X]
-                y = me.y - predators[q + Y]
-                seen = ti.select(x * x + y * y <= reach2, predators[q + ALIVE], 0.0)
-                threat.n += seen
-                threat.x += seen * x
-                threat.y += seen * y
-        return threat
-
-    @ti.func
-    def notes_of(p: ti.template(), prey: ti.template(), b, count, me, weights):
-        """Let a strategy collect what it needs of its mates beyond flocking."""
-        notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-        if ti.static(bool(p.strategy.notes)):
-            first = see.mate_at(prey, b * count * prey_rows, 0)
-            second = see.mate_at(prey, (b * count + ti.min(1, count - 1)) * prey_rows, 1)
-            for j in range(count):
-                p.strategy.observe(notes, me, see.mate_at(prey, (b * count + j) * prey_rows, j), first, second, weights)
-        return notes
-
-    @ti.func
-    def memory_of(p: ti.template(), prey: ti.template(), a):
-        return p.Memory(*[prey[a + row] for row in ti.static(p.memory_rows or [X])])
-
-    flock_prey, flock_predators = flocks("prey"), flocks("predators")
-    turn_prey, turn_predators = turns("prey"), turns("predators")
-
-    @ti.func
-    def commit(agents: ti.template(), b, count, rows: ti.template()):
-        """Take the next state over; those who are gone stay where they went, at finite places."""
-        for i in range(count):
-            a = (b * count + i) * rows
-            here = agents[a + ALIVE] > 0.5
-            agents[a + X] = ti.select(here, agents[a + NEXT_X], agents[a + X])
-            agents[a + Y] = ti.select(here, agents[a + NEXT_Y], agents[a + Y])
-            agents[a + VX] = agents[a + NEXT_VX]
-            agents[a + VY] = agents[a + NEXT_VY]
+            me = prey_at(prey, a, i, limits)
+            for p in ti.static(starting):
+                memory = memory_of(p, prey, a)
+                p.strategy.start(memory, me, see.weights_of(p, numbers, b))
+                for k in ti.static(range(len(p.memory))):
+                    kept = ti.static([getattr(memory, name) for name in p.memory])[k]
+                    prey[a + p.memory_rows[k]] = ti.select(fresh, kept, prey[a + p.memory_rows[k]])
 
     @ti.func
     def remember(prey: ti.template(), numbers: ti.template(), b, count):
         """Let strategies update the agents' memory from what was seen in this move."""
         swarm_seen = lanes(0.0)
+        limits = see.limits_of(numbers, b, at.prey)
         for i in range(count):
             a = (b * count + i) * prey_rows
-            swarm_seen += prey[a + ALIVE] * prey[a + SEEN]
+            swarm_seen += prey[a + rows.alive] * prey[a + rows.seen]
         for i in range(count):
             a = (b * count + i) * prey_rows
+            me = prey_at(prey, a, i, limits)
             for p in ti.static(remembering):
                 memory = memory_of(p, prey, a)
-                p.strategy.remember(memory, prey[a + SEEN], swarm_seen, see.weights_of(p, numbers, b))
+                p.strategy.remember(memory, me, prey[a + rows.seen], swarm_seen, see.weights_of(p, numbers, b))
                 for k in ti.static(range(len(p.memory))):
                     prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
 
     @ti.func
-    def kicks(threat, prey: ti.template(), numbers: ti.template(), integer: ti.template(), b, i, a, key_low, key_high):
-        """Give what strategies add after the cap."""
-        x = lanes(0.0)
-        y = lanes(0.0)
-        for p in ti.static(kicking):
+    def steer_prey(
+        course: ti.template(),
+        me: ti.template(),
+        prey: ti.template(),
+        predators: ti.template(),
+        numbers: ti.template(),
+        b,
+        counts,
+        a,
+        threat: ti.template(),
+        swarm: ti.template(),
+    ):
+        """Add what the strategies steer; those that integrate on their own make a course of their own out of it."""
+        for p in ti.static(strategies):
             weights = see.weights_of(p, numbers, b)
-            first, second, _, _ = uniform(key_low, key_high, integer[b, TRIAL], STRATEGY, i, integer[b, TICK])
-            kick_x, kick_y = p.strategy.kick(threat, see.Dice(a=first, b=second), memory_of(p, prey, a), weights)
-            x += weights.on * kick_x
-            y += weights.on * kick_y
-        return x, y
+            notes = sensed.notes_of_prey(p, prey, predators, numbers, b, counts, me, weights)
+            if ti.static("integrate" in p.own):
+                push = minus(course, motion(me))
+                dt = numbers[b * width + at.dt]
+                other = p.strategy.integrate(me, push, swarm, notes, memory_of(p, prey, a), dt, weights)
+                for k in ti.static(range(dim)):
+                    course[k] = ti.select(weights.on > 0.5, other[k], course[k])
+            elif ti.static("steer" in p.own):
+                steer = p.strategy.steer(me, threat, swarm, notes, memory_of(p, prey, a), weights)
+                for k in ti.static(range(dim)):
+                    course[k] += weights.on * steer[k]
 
     @ti.func
     def move_prey(
@@ -206,35 +110,47 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
     ):
         """V += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11)."""
         n = b * width
+        if ti.static(bool(starting) or "prey" in frame.unicycles):
+            fresh = clock[b, AGE] < 0.5
+            if anywhere(fresh):
+                begin(prey, numbers, b, counts[0], fresh)
+                if ti.static("prey" in frame.unicycles):
+                    steps.prey.face(prey, b, counts[0], fresh)
+        if ti.static(frame.verlet):
+            steps.prey.drift(prey, numbers, b, counts[0])
         swarm = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(counts[0]):
             a = (b * counts[0] + i) * prey_rows
-            me = see.me_at(prey, a, i, limits)
-            threat = threat_to(me, predators, b, counts[1])
-            flock_x, flock_y = flock_prey(prey, numbers, b, counts[0], me)
-            goal = numbers[n + at.prey.goal]
-            x = me.vx + flock_x + goal * (target.x - me.x) + prey[a + FIELD_X]
-            y = me.vy + flock_y + goal * (target.y - me.y) + prey[a + FIELD_Y]
-            for p in ti.static(strategies):
+            me = prey_at(prey, a, i, limits)
+            threat = threat_to(me, predators, numbers, b, counts[1])
+            pull = flock_prey(prey, numbers, b, counts[0], me)
+            course = [rate + part for rate, part in ti.static(zip(motion(me), pull, strict=True))]
+            if ti.static(frame.targeted):
+                way = see.sight(target, me, numbers, b)
+                for k in ti.static(range(dim)):
+                    course[k] += numbers[n + at.prey.goal] * way[k]
+            for k in ti.static(range(dim)):
+                course[k] += prey[a + rows.field[k]]
+            steps.wall_turn(course, me, numbers, b)
+            steer_prey(course, me, prey, predators, numbers, b, counts, a, threat, swarm)
+            turn_prey(course, obstacles, numbers, b, counts[2], me)
+            steps.prey.limited(course, me, numbers, b)
+            if ti.static(deflected["prey"]):
+                dice = dice_of(integer, b, i, rng.DEFLECTION, key_low, key_high)
+                deflect_prey(course, obstacles, numbers, b, counts[2], me, target, dice)
+            for p in ti.static(kicking):
                 weights = see.weights_of(p, numbers, b)
-                notes = notes_of(p, prey, b, counts[0], me, weights)
-                steer_x, steer_y = p.strategy.steer(me, threat, swarm, notes, memory_of(p, prey, a), weights)
-                x += weights.on * steer_x
-                y += weights.on * steer_y
-            x, y = turn_prey(obstacles, numbers, b, counts[2], me, x, y)
-            x, y = capped(x, y, me.max_speed)
-            if ti.static(bool(kicking)):
-                kick_x, kick_y = kicks(threat, prey, numbers, integer, b, i, a, key_low, key_high)
-                x += kick_x
-                y += kick_y
-            prey[a + SEEN] = threat.n
-            prey[a + NEXT_VX] = x
-            prey[a + NEXT_VY] = y
-            prey[a + NEXT_X] = me.x + x * numbers[n + at.dt]
-            prey[a + NEXT_Y] = me.y + y * numbers[n + at.dt]
-        commit(prey, b, counts[0], prey_rows)
+                dice = dice_of(integer, b, i, rng.STRATEGY, key_low, key_high)
+                kick = p.strategy.kick(threat, dice, memory_of(p, prey, a), weights)
+                for k in ti.static(range(dim)):
+                    course[k] += weights.on * kick[k]
+            prey[a + rows.seen] = threat.n
+            steps.prey.advance(prey, a, course, me, numbers, b)
+        steps.prey.commit(prey, numbers, b, counts[0])
+        if ti.static(frame.contact == "bounce"):
+            steps.bounce(prey, numbers, b, counts[0])
         if ti.static(bool(remembering)):
             remember(prey, numbers, b, counts[0])
 
@@ -245,32 +161,47 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         obstacles: ti.template(),
         numbers: ti.template(),
         clock: ti.template(),
+        integer: ti.template(),
         b,
         counts,
+        key_low,
+        key_high,
     ):
         """V += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
         n = b * width
+        if ti.static("predators" in frame.unicycles):
+            steps.predators.face(predators, b, counts[1], clock[b, AGE] < 0.5)
+        if ti.static(frame.verlet):
+            steps.predators.drift(predators, numbers, b, counts[1])
         quarry = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)
         for i in range(counts[1]):
             a = (b * counts[1] + i) * predator_rows
-            me = see.me_at(predators, a, i, limits)
-            flock_x, flock_y = flock_predators(predators, numbers, b, counts[1], me)
-            x = me.vx + flock_x + predators[a + FIELD_X]
-            y = me.vy + flock_y + predators[a + FIELD_Y]
+            me = predator_at(predators, a, i, limits)
+            pull = flock_predators(predators, numbers, b, counts[1], me)
+            course = [rate + part for rate, part in ti.static(zip(motion(me), pull, strict=True))]
+            for k in ti.static(range(dim)):
+                course[k] += predators[a + rows.field[k]]
+            steps.wall_turn(course, me, numbers, b)
             for p in ti.static(pursuits):
                 weights = see.weights_of(p, numbers, b)
-                pursue_x, pursue_y = p.strategy.pursue(me, quarry, target, weights)
-                goal = weights.on * numbers[n + at.predators.goal]
-                x += goal * pursue_x
-                y += goal * pursue_y
-            x, y = turn_predators(obstacles, numbers, b, counts[2], me, x, y)
-            x, y = capped(x, y, me.max_speed)
-            predators[a + NEXT_VX] = x
-            predators[a + NEXT_VY] = y
-            predators[a + NEXT_X] = me.x + x * numbers[n + at.dt]
-            predators[a + NEXT_Y] = me.y + y * numbers[n + at.dt]
-        commit(predators, b, counts[1], predator_rows)
+                notes = sensed.notes_of_predator(p, prey, numbers, b, counts[0], me, quarry, weights)
+                way = p.strategy.pursue(me, quarry, target, notes, weights)
+                goal = numbers[n + at.predators.goal]
+                if ti.static(p.strategy.rules):
+                    for k in ti.static(range(dim)):
+                        course[k] = ti.select(weights.on > 0.5, goal * way[k], course[k])
+                else:
+                    goal = weights.on * goal
+                    for k in ti.static(range(dim)):
+                        course[k] += goal * way[k]
+            turn_predators(course, obstacles, numbers, b, counts[2], me)
+            steps.predators.limited(course, me, numbers, b)
+            if ti.static(deflected["predators"]):
+                dice = dice_of(integer, b, i, rng.PREDATOR_DEFLECTION, key_low, key_high)
+                deflect_predators(course, obstacles, numbers, b, counts[2], me, target, dice)
+            steps.predators.advance(predators, a, course, me, numbers, b)
+        steps.predators.commit(predators, numbers, b, counts[1])
 
     return SimpleNamespace(move_prey=move_prey, move_predators=move_predators)

@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.layout import ALIVE, OBSTACLE_RADIUS, OBSTACLE_ROWS, OBSTACLE_X, OBSTACLE_Y, VX, VY, Layout, X, Y
+from tiswarm.lanes import coordinates
+from tiswarm.layout import Layout
 
 
 def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
@@ -14,69 +15,103 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     side. More indices or one array per number cost more instructions to address than the term itself.
     """
     lanes = types.lanes
-    at = layout.at
+    at, rows = layout.at, layout.rows
     width = len(layout.paths)
+    dim = layout.structure.frame.dim
+    target_columns = [*at.target.place, at.target.radius]
+    periodic = layout.structure.frame.boundary == "periodic"
+    wrap_sight = layout.structure.frame.wrap_sight
 
-    def struct(names: str, **others):
-        return ti.types.struct(**dict.fromkeys(names.split(), lanes), **others)
+    def axes(*names: str) -> list[str]:
+        return [name + axis for name in names for axis in "xyz"[:dim]]
 
+    def struct(names: list[str], **others):
+        return ti.types.struct(**dict.fromkeys(names, lanes), **others)
+
+    state = axes("", "v")
+    limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
     see = SimpleNamespace(
-        Me=struct("x y vx vy alive radius perception max_speed", number=ti.i32),  # number: 1, 2, ...
-        Mate=struct("x y vx vy alive", number=ti.i32),
-        Mates=struct("n x y vx vy push_x push_y"),  # see flocking.see_mate
-        Threat=struct("n x y"),  # n: predators in sight; x, y: Σ (p - q) over them
-        Swarm=struct("n x y vx vy age"),  # alive prey: how many, mean position and velocity; ticks run
-        Target=struct("x y radius"),
-        Obstacle=struct("x y radius"),
-        Course=struct("x y"),  # velocity after all terms, before turn and cap
-        Dice=struct("a b"),  # uniform in [0, 1)
-        Limits=struct("radius perception max_speed"),
+        # number: 1, 2, ...; behind it what strategies show of their memory
+        Me={kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=ti.i32) for kind in layout.agent_rows},
+        Mate={kind: struct([*state, "alive", *layout.shown(kind)], number=ti.i32) for kind in layout.agent_rows},
+        Mates=struct(["n", *state, *axes("push_")]),  # see flocking.see_mate
+        Threat=struct(["n", *axes("")]),  # n: predators in sight; x, y: Σ (p - q) over them
+        Swarm=struct(["n", *state, "age"]),  # alive prey: how many, mean position and velocity; ticks run
+        Target=struct([*axes(""), "radius"]),
+        Obstacle=struct([*axes(""), "radius"]),
+        Dice=struct(["a", "b"]),  # uniform in [0, 1)
+        Limits=struct(limits),
     )
 
     @ti.func
     def limits_of(numbers: ti.template(), b, columns: ti.template()):
         n = b * width
-        return see.Limits(
-            radius=numbers[n + columns.radius],
-            perception=numbers[n + columns.perception],
-            max_speed=numbers[n + columns.max_speed],
-        )
+        return see.Limits(*[numbers[n + column] for column in ti.static([getattr(columns, name) for name in limits])])
 
-    @ti.func
-    def me_at(agents: ti.template(), a, i, limits):
-        return see.Me(
-            x=agents[a + X],
-            y=agents[a + Y],
-            vx=agents[a + VX],
-            vy=agents[a + VY],
-            alive=agents[a + ALIVE],
-            radius=limits.radius,
-            perception=limits.perception,
-            max_speed=limits.max_speed,
-            number=i + 1,
-        )
+    def sees(kind: str):
+        Me, Mate = see.Me[kind], see.Mate[kind]  # noqa: N806 - types
+        shown = list(layout.shown(kind).values())
+        first = [*rows.place, *rows.motion, rows.alive]
+        mate_rows = [*first, *shown]
 
-    @ti.func
-    def mate_at(agents: ti.template(), a, i):
-        return see.Mate(
-            x=agents[a + X], y=agents[a + Y], vx=agents[a + VX], vy=agents[a + VY], alive=agents[a + ALIVE], number=i + 1
-        )
+        @ti.func
+        def me_at(agents: ti.template(), a, i, limits: ti.template()):
+            return Me(
+                *[agents[a + row] for row in ti.static(first)],
+                *ti.static([getattr(limits, name) for name in limits.keys]),
+                *[agents[a + row] for row in ti.static(shown)],
+                i + 1,
+            )
+
+        @ti.func
+        def mate_at(agents: ti.template(), a, i):
+            return Mate(*[agents[a + row] for row in ti.static(mate_rows)], i + 1)
+
+        return me_at, mate_at
+
+    see.me_at, see.mate_at = {}, {}
+    for kind in layout.agent_rows:
+        see.me_at[kind], see.mate_at[kind] = sees(kind)
 
     @ti.func
     def obstacle_at(obstacles: ti.template(), b, count, j):
-        o = (b * count + j) * OBSTACLE_ROWS
-        return see.Obstacle(x=obstacles[o + OBSTACLE_X], y=obstacles[o + OBSTACLE_Y], radius=obstacles[o + OBSTACLE_RADIUS])
+        o = (b * count + j) * layout.obstacle_rows
+        return see.Obstacle(*[obstacles[o + row] for row in ti.static(range(dim + 1))])
 
     @ti.func
     def target_of(numbers: ti.template(), b):
         n = b * width
-        return see.Target(x=numbers[n + at.target.x], y=numbers[n + at.target.y], radius=numbers[n + at.target.radius])
+        return see.Target(*[numbers[n + column] for column in ti.static(target_columns)])
 
     @ti.func
     def weights_of(p: ti.template(), numbers: ti.template(), b):
         n = b * width
         return p.Weights(*[numbers[n + column] for column in ti.static(p.columns)])
 
-    see.limits_of, see.me_at, see.mate_at, see.obstacle_at = limits_of, me_at, mate_at, obstacle_at
-    see.target_of, see.weights_of = target_of, weights_of
+    @ti.func
+    def shortest(way, numbers: ti.template(), b):
+        """Give the shortest of the images of a way between two places in a periodic world."""
+        n = b * width
+        return [
+            part - numbers[n + column] * ti.floor(part / numbers[n + column] + 0.5)
+            for part, column in ti.static(zip(way, at.size, strict=True))
+        ]
+
+    @ti.func
+    def away(me: ti.template(), other: ti.template(), numbers: ti.template(), b, wrapped: ti.template()):
+        way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
+        return shortest(way, numbers, b) if ti.static(wrapped) else way
+
+    @ti.func
+    def sight(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from what I see: across a periodic edge where that is shorter and sight wraps."""
+        return away(me, other, numbers, b, wrap_sight)
+
+    @ti.func
+    def gap(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from another body, whatever anybody sees."""
+        return away(me, other, numbers, b, periodic)
+
+    see.limits_of, see.obstacle_at, see.target_of, see.weights_of = limits_of, obstacle_at, target_of, weights_of
+    see.sight, see.gap = sight, gap
     return see

@@ -6,10 +6,11 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_origin
 
 Kind = Literal["prey", "predators", "avoidance"]
 KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
@@ -162,10 +163,25 @@ def parts(kind: Kind, name: str) -> tuple[str, ...]:
     return tuple(part for each in strategy.parts for part in parts(kind, each))
 
 
-def defaults(kind: Kind, name: str) -> dict[str, float]:
+def defaults(kind: Kind, name: str) -> dict[str, float | str]:
     """Map the weights of a strategy, those of its parts included, to their defaults."""
-    found: dict[str, float] = {}
+    found: dict[str, float | str] = {}
     for part in parts(kind, name):
         weights = load(kind, part).Weights()
-        found.update({key: float(value) for key, value in vars(weights).items()})
+        found.update({key: value if isinstance(value, str) else float(value) for key, value in vars(weights).items()})
     return found
+
+
+def choices(kind: Kind, name: str) -> dict[str, tuple[str, ...]]:
+    """Map those weights of a strategy that are a choice between words to the words; a kernel sees a word as its place."""
+    return {
+        field.name: get_args(field.type)
+        for part in parts(kind, name)
+        for field in fields(load(kind, part).Weights)
+        if get_origin(field.type) is Literal
+    }
+
+
+def dimensions(kind: Kind, name: str) -> tuple[int, ...]:
+    """List the dimensions of the worlds that a strategy and all its parts support."""
+    return tuple(dim for dim in (2, 3) if all(dim in load(kind, part).dimensions for part in parts(kind, name)))

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NoReturn, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from tiswarm import registry
+from tiswarm import fit, registry
 from tiswarm.explain import ScenarioError, explained
 
 LIMIT = 1e6
@@ -18,7 +18,7 @@ Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LIMIT, le=LI
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LIMIT)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=LIMIT)]
 Count = Annotated[int, Field(strict=True, ge=0, le=10_000)]
-Point = tuple[Real, Real]
+Point = Annotated[tuple[Real, ...], Field(min_length=2, max_length=3)]
 
 
 def _one_of(kind: registry.Kind) -> Any:
@@ -30,9 +30,13 @@ PreyStrategy = Annotated[str, _one_of("prey")]
 PredatorsStrategy = Annotated[str, _one_of("predators")]
 Avoidance = Annotated[str, _one_of("avoidance")]
 Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
+Measure = Literal[
+    "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
+    "time-to-50", "time-to-90", "time-to-95", "time-to-99",
+]  # fmt: skip
 
 
-class Weights(dict[str, float]):
+class Weights(dict[str, float | str]):
     """A dictionary that never changes, so that a scenario is what it was when it was checked."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
@@ -54,19 +58,21 @@ class Part(BaseModel):
 
 
 def _ordered(low: Sequence[float], high: Sequence[float], what: str) -> None:
-    if any(a > b for a, b in zip(low, high, strict=True)):
+    if any(a > b for a, b in zip(low, high, strict=False)):
         raise ValueError(f"{what} must run from a lower to an upper corner, [[x0, y0], [x1, y1]] with x0 <= x1 and y0 <= y1")
+    if len(low) != len(high):
+        raise ValueError(f"{what} has corners of {len(low)} and {len(high)} numbers")
 
 
 class Box(Part):
-    """An axis-parallel rectangle, written as its two corners [[x0, y0], [x1, y1]]."""
+    """An axis-parallel rectangle or cuboid, written as its two corners [[x0, y0], [x1, y1]]."""
 
     low: Point
     high: Point
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
-        corner = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+        corner = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
         return {"title": "Box", "description": cls.__doc__, "type": "array", "items": corner, "minItems": 2, "maxItems": 2}
 
     @model_validator(mode="before")
@@ -92,28 +98,48 @@ class Area(Part):
 
 
 class World(Part):
-    """Size, time and edge of the world."""
+    """Size, time and edge of the world, and what a touch does; two sizes make it flat, three deep."""
 
-    size: tuple[Positive, Positive] = (100.0, 50.0)  # m
+    size: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=3)] = (100.0, 50.0)  # m; a corner is the origin
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
     dt: Positive = 1.0  # s
-    boundary: Literal["open"] = "open"
+    scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
+    boundary: Literal["open", "periodic", "walls"] = "open"
+    wrap_sight: bool = True  # whether agents see across a periodic edge
+    margin: NotNegative = 0.0  # nearer to a wall than this, agents turn away from it [m]
+    turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
+    # What a touch does: predator and prey both die, only the prey does, prey bounce off each other, or nothing.
+    contact: Literal["deadly", "eaten", "bounce", "none"] = "deadly"
     areas: tuple[Area, ...] = ()
+
+    @property
+    def dim(self) -> int:
+        """Count the dimensions."""
+        return len(self.size)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.boundary != "walls" and (self.margin or self.turn_factor):
+            raise ValueError("a world has margin and turn_factor only with boundary = 'walls'; drop them or set it")
+        return self
 
 
 class Target(Part):
     """The disc that prey want to reach."""
 
+    present: bool = True
     position: Point = (10.0, 25.0)  # m
     radius: Positive = 4.0  # m
 
 
 class Obstacles(Part):
-    """Discs that kill; each trial has its own."""
+    """Discs or spheres; each trial has its own."""
 
     count: Count = 0
     radius: tuple[NotNegative, NotNegative] = (1.0, 2.0)  # m, uniform in this range
     region: Box = Box(low=(17.5, 0.0), high=(70.0, 50.0))
+    clear: bool = False  # whether they keep off the target and the region where prey start
+    contact: Literal["crash", "count"] = "crash"  # touching one kills, or is only counted (measure "hits")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -127,6 +153,8 @@ class Spawn(Part):
 
     region: Box
     velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))
+    shape: Literal["box", "ball"] = "box"  # ball: in the largest ellipsoid inside the region
+    capped: bool = False  # whether max_speed holds from the start
 
 
 class Agents(Part):
@@ -139,25 +167,31 @@ class Agents(Part):
     perception: NotNegative  # m
     spacing: NotNegative = 3.0  # m, closer mates are separated from
     max_speed: Positive = 1.0  # m/s
+    min_speed: NotNegative = 0.0  # m/s
+    drive: Literal["point", "unicycle"] = "point"  # unicycle: a point `ahead` of the axle follows the commanded velocity
+    ahead: Positive = 0.05  # m
+    max_turn: Positive = 3.636  # rad/s
     cohesion: Real = 0.005  # 1/s
     separation: Real = 0.05  # 1/s
     alignment: Real = 0.05  # 1/s
     goal: Real = 0.1  # prey: pull of the target [1/s]; predators: pull of what they pursue
     spawn: Spawn
-    weights: Annotated[dict[str, Number], AfterValidator(Weights)] = Field(
+    weights: Annotated[dict[str, Number | str], AfterValidator(Weights)] = Field(
         default_factory=Weights
     )  # of the strategy and of the avoidance
 
 
 def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]:
     """Check both strategy names and fill in the weights that a scenario leaves at their defaults."""
-    known: dict[str, float] = {}
+    known: dict[str, float | str] = {}
+    words: dict[str, tuple[str, ...]] = {}
     for key, where in (("strategy", kind), ("avoidance", "avoidance")):
         name = agents.get(key)
         if not isinstance(name, str):
             continue  # pydantic says what is wrong
         try:
             known.update(registry.defaults(where, name))
+            words.update(registry.choices(where, name))
         except registry.UnknownStrategy as error:
             raise ScenarioError(f"{kind}.{key}: {error}") from None
     given = agents.get("weights", {})
@@ -168,6 +202,11 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
             chosen = f"strategy '{agents.get('strategy')}' with avoidance '{agents.get('avoidance')}'"
             hint = registry.nearest(str(key), sorted(known)) if known else "they have none"
             raise ScenarioError(f"{kind}.weights.{key}: no weight of {chosen}; {hint}")
+        if key in words and given[key] not in words[key]:
+            hint = " or ".join(repr(word) for word in words[key])
+            raise ScenarioError(f"{kind}.weights.{key}: {given[key]!r} is not allowed; use {hint}")
+        if key not in words and isinstance(given[key], str):
+            raise ScenarioError(f"{kind}.weights.{key}: {given[key]!r} is not allowed; use a number")
     return {**agents, "weights": {**known, **given}}
 
 
@@ -193,6 +232,21 @@ class Predators(Agents):
     spawn: Spawn = Spawn(region=Box(low=(10.0, -7.5), high=(18.0, 0.5)))
 
 
+class Coverage(Part):
+    """The grid on which swept ground is counted."""
+
+    cell: NotNegative = 0.0  # side of a cell [m]; 0: not counted
+    tool: Positive = 0.1  # radius of the disc that an agent sweeps [m]
+
+
+class Measures(Part):
+    """What is measured while a trial runs, beyond who arrived: see `metrics.py`."""
+
+    names: tuple[Measure, ...] = ()
+    after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on
+    distance: Positive = 1.0  # agents nearer than this are of one group [m]
+
+
 class Showcase(Part):
     """The trial that `tiswarm demo` films."""
 
@@ -212,6 +266,8 @@ class Scenario(Part):
     obstacles: Obstacles = Obstacles()
     prey: Prey = Prey()
     predators: Predators = Predators()
+    coverage: Coverage = Coverage()
+    measures: Measures = Measures()
 
     @model_validator(mode="before")
     @classmethod
@@ -225,6 +281,11 @@ class Scenario(Part):
                 chosen = {key: model.model_fields[key].default for key in ("strategy", "avoidance")}
                 filled[kind] = _with_weights({**chosen, **given}, kind)  # type: ignore[arg-type]
         return filled
+
+    @model_validator(mode="after")
+    def _fits_the_world(self) -> Self:
+        fit.check(self)
+        return self
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
@@ -254,8 +315,13 @@ class Scenario(Part):
         return sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]
 
     def numbers(self) -> dict[str, float]:
-        """Map the path of each numeric key to its value: "prey.weights.evade", "target.position.0", ..."""
-        return {path: float(value) for path, value in _leaves(_plain(self)) if _is_number(path, value)}
+        """Map the path of each number to it: "prey.weights.evade", "target.position.0", ...; a choice is its place."""
+        found = {path: float(value) for path, value in _leaves(_plain(self)) if _is_number(path, value)}
+        kind: registry.Kind
+        for kind, agents in (("prey", self.prey), ("predators", self.predators)):
+            words = registry.choices(kind, agents.strategy) | registry.choices("avoidance", agents.avoidance)
+            found |= {f"{kind}.weights.{key}": float(known.index(str(agents.weights[key]))) for key, known in words.items()}
+        return found
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
         """Give the scenario with some keys changed. Errors: ScenarioError."""
@@ -276,7 +342,7 @@ def _plain(value: Any) -> Any:
 
 
 def _is_number(path: str, value: Any) -> bool:
-    return isinstance(value, int | float) and not path.startswith(("showcase.", "world.areas."))
+    return isinstance(value, int | float) and not isinstance(value, bool) and not path.startswith(("showcase.", "world.areas."))
 
 
 def _leaves(value: Any, path: str = "") -> list[tuple[str, Any]]:

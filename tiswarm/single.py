@@ -7,10 +7,10 @@ import numpy as np
 
 from tiswarm import registry
 from tiswarm.batch import Blocks
-from tiswarm.layout import AGE, ALIVE, DONE, FATE, OBSTACLE_RADIUS, OBSTACLE_ROWS, OBSTACLE_X, OBSTACLE_Y, VX, VY, X, Y
+from tiswarm.layout import AGE, DONE
 from tiswarm.recording import FATES, Recording, Swarm
 from tiswarm.scenario import Scenario
-from tiswarm.spawn import Start
+from tiswarm.start import Start
 from tiswarm.trials import OUTCOMES
 
 
@@ -35,9 +35,9 @@ class Single:
         self._results = np.zeros((1, len(OUTCOMES)), np.int32)
         self._advance(0)
         if start is not None:
-            rows = self._obstacles()
-            rows[OBSTACLE_X], rows[OBSTACLE_Y] = start.obstacle_position.T
-            rows[OBSTACLE_RADIUS] = start.obstacle_radius
+            if start.dim != scenario.world.dim:
+                raise ValueError(f"start: positions have {start.dim} numbers, world.size has {scenario.world.dim}; use as many")
+            self._obstacles()[:] = np.vstack([start.obstacle_position.T, start.obstacle_radius])
             self.place("prey", start.prey_position, start.prey_velocity)
             self.place("predators", start.predator_position, start.predator_velocity)
 
@@ -65,26 +65,30 @@ class Single:
 
     def _obstacles(self) -> np.ndarray:
         """Give a view of lane 0: [row, obstacle]."""
-        count = self.scenario.obstacles.count
-        return self._blocks.obstacles[: count * OBSTACLE_ROWS, 0].reshape(count, OBSTACLE_ROWS).T
+        count, rows = self.scenario.obstacles.count, self._blocks.layout.obstacle_rows
+        return self._blocks.obstacles[: count * rows, 0].reshape(count, rows).T
 
     def position(self, kind: str) -> np.ndarray:
-        """Give where the prey or predators are: [agent, 2], m, NaN for those who are gone."""
-        return self._pair(kind, X, Y)
+        """Give where the prey or predators are: [agent, dim], m, NaN for those who are gone."""
+        return self._vectors(kind, self._rows.place)
 
     def velocity(self, kind: str) -> np.ndarray:
-        """Give their velocity: [agent, 2], m/s, NaN for those who are gone."""
-        return self._pair(kind, VX, VY)
+        """Give their velocity: [agent, dim], m/s, NaN for those who are gone."""
+        return self._vectors(kind, self._rows.motion)
 
-    def _pair(self, kind: str, first: int, second: int) -> np.ndarray:
+    @property
+    def _rows(self) -> Any:
+        return self._blocks.layout.rows
+
+    def _vectors(self, kind: str, places: list[int]) -> np.ndarray:
         rows = self._agents(kind)
-        pair = np.stack([rows[first], rows[second]], axis=1).astype(np.float64)
-        pair[rows[ALIVE] < 0.5] = np.nan
-        return pair
+        vectors = rows[places].T.astype(np.float64)
+        vectors[rows[self._rows.alive] < 0.5] = np.nan
+        return vectors
 
     def fate(self, kind: str) -> np.ndarray:
         """Name what became of each agent so far: [agent]."""
-        return np.array(FATES)[self._agents(kind)[FATE].astype(int)]
+        return np.array(FATES)[self._agents(kind)[self._rows.fate].astype(int)]
 
     def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
         """Give the agents' memory: strategy -> name -> [agent]."""
@@ -93,16 +97,16 @@ class Single:
         return {p.part.name: {name: rows[row].copy() for name, row in zip(p.memory, p.memory_rows, strict=True)} for p in parts}
 
     def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Give the obstacles' centres and radii: [obstacle, 2] and [obstacle], m."""
+        """Give the obstacles' centres and radii: [obstacle, dim] and [obstacle], m."""
         rows = self._obstacles().astype(np.float64)
-        return np.stack([rows[OBSTACLE_X], rows[OBSTACLE_Y]], axis=1), rows[OBSTACLE_RADIUS].copy()
+        return rows[:-1].T.copy(), rows[-1].copy()
 
     def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:
         """Put agents somewhere, their memory untouched; NaN in a position means gone."""
         rows = self._agents(kind)
         here = np.isfinite(position[:, 0])
-        rows[ALIVE] = here
-        for row, values in ((X, position[:, 0]), (Y, position[:, 1]), (VX, velocity[:, 0]), (VY, velocity[:, 1])):
+        rows[self._rows.alive] = here
+        for row, values in zip([*self._rows.place, *self._rows.motion], np.hstack([position, velocity]).T, strict=True):
             rows[row] = np.where(here, values, rows[row])
         self._advance(0)  # the fields at the new places
 

@@ -1,132 +1,154 @@
-"""Start states: drawn from a scenario, a seed and a trial number, or explicit ones."""
+"""Spawn: draw a trial's start state from its scenario, seed and number."""
 
-from dataclasses import dataclass
 from types import SimpleNamespace
 
-import numpy as np
 import taichi as ti
 
 from tiswarm import rng
-from tiswarm.layout import (
-    AGENT_ROWS,
-    ALIVE,
-    FATE,
-    OBSTACLE_RADIUS,
-    OBSTACLE_ROWS,
-    OBSTACLE_X,
-    OBSTACLE_Y,
-    SEEN,
-    STAYS,
-    TRIAL,
-    VX,
-    VY,
-    Layout,
-    X,
-    Y,
-)
-from tiswarm.scenario import LIMIT
+from tiswarm.lanes import capped, dot, larger
+from tiswarm.layout import STAYS, TRIAL, Layout
 
 FAR = 1e9
 """Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
 
-
-@dataclass(frozen=True)
-class Start:
-    """An explicit start state.
-
-    prey_position, prey_velocity, predator_position, predator_velocity, obstacle_position: [agent or obstacle, dim], m and m/s;
-    obstacle_radius: [obstacle], m.
-
-    Errors: ValueError for shapes that do not fit each other, numbers that are not finite, or no prey.
-    """
-
-    prey_position: np.ndarray
-    prey_velocity: np.ndarray
-    predator_position: np.ndarray
-    predator_velocity: np.ndarray
-    obstacle_position: np.ndarray
-    obstacle_radius: np.ndarray
-
-    def __post_init__(self) -> None:
-        for name in ("prey_position", "prey_velocity", "predator_position", "predator_velocity", "obstacle_position"):
-            array = np.asarray(getattr(self, name), np.float64)
-            object.__setattr__(self, name, array.reshape(-1, 2) if array.size == 0 else array)
-        object.__setattr__(self, "obstacle_radius", np.asarray(self.obstacle_radius, np.float64))
-        for name, array in vars(self).items():
-            if not np.isfinite(array).all() or np.abs(array).max(initial=0) > LIMIT:
-                raise ValueError(f"start: {name} holds a number that is not finite, or beyond {LIMIT:g}")
-            if name != "obstacle_radius" and (array.ndim != 2 or array.shape[1] != 2):
-                raise ValueError(f"start: {name} has shape {array.shape}; use [agent, 2]")
-        for kind in ("prey", "predator"):
-            position, velocity = getattr(self, f"{kind}_position"), getattr(self, f"{kind}_velocity")
-            if position.shape != velocity.shape:
-                raise ValueError(f"start: {kind}_position has shape {position.shape} but {kind}_velocity {velocity.shape}")
-        if len(self.prey_position) == 0:
-            raise ValueError("start: prey_position is empty; a trial needs 1 prey or more")
-        if (self.obstacle_radius < 0).any():
-            raise ValueError("start: obstacle_radius holds a negative number; use 0 or more")
-        if self.obstacle_radius.shape != (len(self.obstacle_position),):
-            raise ValueError(f"start: obstacle_radius has shape {self.obstacle_radius.shape}; use one radius an obstacle")
+TRIES = 32
+"""Draws until a place is inside a ball or clear of others. One ball in 10¹⁰ needs more, and takes its centre; an obstacle that
+finds no clear place in so many is left out."""
 
 
 def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
     lanes, integers = types.lanes, types.integer_lanes
     uniform = rng.build(types).uniform
-    at = layout.at
-    columns_count = len(layout.paths)
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
+    frame = layout.structure.frame
+    width = len(layout.paths)
 
-    def draws_agents(kind: str, purpose: int):
-        columns, rows = getattr(at, kind), layout.agent_rows[kind]
-        region, velocity = columns.region, columns.velocity
+    @ti.func
+    def within(shares: ti.template(), box: ti.template(), numbers: ti.template(), b):
+        """Give the place in a box that lies at these shares of its sides; more shares than sides do no harm."""
+        n = b * width
+        return [
+            numbers[n + low] + share * (numbers[n + high] - numbers[n + low])
+            for share, low, high in ti.static(zip(shares, box.low, box.high, strict=False))
+        ]
+
+    @ti.func
+    def store(agents: ti.template(), row, fresh, value):
+        agents[row] = ti.select(fresh, value, agents[row])
+
+    @ti.func
+    def flat_shares(key_low, key_high, trial, purpose: ti.template(), i, attempt):
+        """Draw shares of the sides of an agent's region and of its velocity's box; each attempt has numbers of its own."""
+        a, b, c, d = uniform(key_low, key_high, trial, purpose, i, integers(ti.cast(attempt, ti.u32)))
+        return [a, b], [c, d]
+
+    @ti.func
+    def deep_shares(key_low, key_high, trial, purpose: ti.template(), i, attempt):
+        """Draw them for three axes."""
+        a, b, c, _ = uniform(key_low, key_high, trial, purpose, i, integers(ti.cast(2 * attempt, ti.u32)))
+        d, e, f, _ = uniform(key_low, key_high, trial, purpose, i, integers(ti.cast(2 * attempt + 1, ti.u32)))
+        return [a, b, c], [d, e, f]
+
+    draw_shares = flat_shares if dim == 2 else deep_shares
+
+    def draws_agents(kind: str, purpose: int, ball: bool, cap: bool):
+        columns, own_rows = getattr(at, kind), layout.agent_rows[kind]
+
+        @ti.func
+        def ball_shares(key_low, key_high, trial, i):
+            """Draw shares until they lie in the ball inside the unit cube."""
+            kept = [lanes(0.5) for _ in ti.static(range(dim))]
+            missing = lanes(1.0)
+            for attempt in range(1, TRIES):
+                share, _ = draw_shares(key_low, key_high, trial, purpose, i, attempt)
+                off = [2.0 * each - 1.0 for each in ti.static(share)]
+                taken = (missing > 0.5) & (dot(off, off) <= 1.0)
+                for k in ti.static(range(dim)):
+                    kept[k] = ti.select(taken, share[k], kept[k])
+                missing = ti.select(taken, 0.0, missing)
+            return kept
 
         @ti.func
         def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-            n = b * columns_count
+            n = b * width
             for i in range(count):
-                at_agent = (b * count + i) * rows
-                a, c, e, f = uniform(key_low, key_high, trial, purpose, i, integers(ti.u32(0)))
-                x0, y0, u0, w0 = (
-                    numbers[n + region[0]],
-                    numbers[n + region[1]],
-                    numbers[n + velocity[0]],
-                    numbers[n + velocity[1]],
-                )
-                x = x0 + a * (numbers[n + region[2]] - x0)
-                y = y0 + c * (numbers[n + region[3]] - y0)
-                vx = u0 + e * (numbers[n + velocity[2]] - u0)
-                vy = w0 + f * (numbers[n + velocity[3]] - w0)
+                a = (b * count + i) * own_rows
+                share, rate = draw_shares(key_low, key_high, trial, purpose, i, 0)
+                if ti.static(ball):
+                    kept = ball_shares(key_low, key_high, trial, i)
+                    for k in ti.static(range(dim)):
+                        share[k] = kept[k]
+                here = within(share, columns.region, numbers, b)
+                velocity = within(rate, columns.velocity, numbers, b)
+                if ti.static(cap):
+                    slow = capped(velocity, numbers[n + columns.max_speed])
+                    for k in ti.static(range(dim)):
+                        velocity[k] = slow[k]
+                for k in ti.static(range(dim)):
+                    store(agents, a + rows.place[k], fresh, here[k])
+                    store(agents, a + rows.motion[k], fresh, velocity[k])
                 exists = ti.select(numbers[n + columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
-                agents[at_agent + X] = ti.select(fresh, x, agents[at_agent + X])
-                agents[at_agent + Y] = ti.select(fresh, y, agents[at_agent + Y])
-                agents[at_agent + VX] = ti.select(fresh, vx, agents[at_agent + VX])
-                agents[at_agent + VY] = ti.select(fresh, vy, agents[at_agent + VY])
-                agents[at_agent + ALIVE] = ti.select(fresh, exists, agents[at_agent + ALIVE])
-                agents[at_agent + FATE] = ti.select(fresh, lanes(float(STAYS)), agents[at_agent + FATE])
-                agents[at_agent + SEEN] = ti.select(fresh, lanes(0.0), agents[at_agent + SEEN])
-                for row in range(AGENT_ROWS, rows):  # the strategies' memory
-                    agents[at_agent + row] = ti.select(fresh, lanes(0.0), agents[at_agent + row])
+                store(agents, a + rows.alive, fresh, exists)
+                store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
+                store(agents, a + rows.seen, fresh, lanes(0.0))
+                store(agents, a + rows.hit, fresh, lanes(0.0))
+                for row in range(rows.count, own_rows):  # the strategies' memory
+                    store(agents, a + row, fresh, lanes(0.0))
 
         return spawn
 
     region, radius = at.obstacles.region, at.obstacles.radius
-    spawn_prey = draws_agents("prey", rng.PREY)
-    spawn_predators = draws_agents("predators", rng.PREDATORS)
+    spawn_prey = draws_agents("prey", rng.PREY, frame.shapes[0] == "ball", frame.capped[0])
+    spawn_predators = draws_agents("predators", rng.PREDATORS, frame.shapes[1] == "ball", frame.capped[1])
+
+    @ti.func
+    def obstacle_shares(key_low, key_high, trial, i, attempt):
+        """Draw shares of the sides of the obstacles' region and, behind them, of the range of radii."""
+        a, b, c, d = uniform(key_low, key_high, trial, rng.OBSTACLES, i, integers(ti.cast(attempt, ti.u32)))
+        return ti.static([a, b, c, d][: dim + 1])
+
+    @ti.func
+    def is_clear(centre: ti.template(), size, numbers: ti.template(), b):
+        """Tell whether a disc keeps off the target and off the region where prey start."""
+        n = b * width
+        low, high = ti.static(at.prey.region.low, at.prey.region.high)
+        outside = [
+            larger(larger(numbers[n + low[k]] - centre[k], centre[k] - numbers[n + high[k]]), 0.0)
+            for k in ti.static(range(dim))
+        ]
+        clear = dot(outside, outside) > size * size
+        if ti.static(frame.targeted):
+            way = [centre[k] - numbers[n + at.target.place[k]] for k in ti.static(range(dim))]
+            keep = size + numbers[n + at.target.radius]
+            clear = clear & (dot(way, way) > keep * keep)
+        return clear
 
     @ti.func
     def spawn_obstacles(obstacles: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-        n = b * columns_count
+        n = b * width
         for i in range(count):
-            at_obstacle = (b * count + i) * OBSTACLE_ROWS
-            a, c, e, _ = uniform(key_low, key_high, trial, rng.OBSTACLES, i, integers(ti.u32(0)))
-            x0, y0, r0 = numbers[n + region[0]], numbers[n + region[1]], numbers[n + radius[0]]
+            o = (b * count + i) * layout.obstacle_rows
             exists = numbers[n + at.obstacles.count] > ti.cast(i, types.real) + 0.5
-            x = ti.select(exists, x0 + a * (numbers[n + region[2]] - x0), FAR)
-            y = ti.select(exists, y0 + c * (numbers[n + region[3]] - y0), FAR)
-            size = ti.select(exists, r0 + e * (numbers[n + radius[1]] - r0), 0.0)
-            obstacles[at_obstacle + OBSTACLE_X] = ti.select(fresh, x, obstacles[at_obstacle + OBSTACLE_X])
-            obstacles[at_obstacle + OBSTACLE_Y] = ti.select(fresh, y, obstacles[at_obstacle + OBSTACLE_Y])
-            obstacles[at_obstacle + OBSTACLE_RADIUS] = ti.select(fresh, size, obstacles[at_obstacle + OBSTACLE_RADIUS])
+            smallest = numbers[n + radius[0]]
+            share = obstacle_shares(key_low, key_high, trial, i, 0)
+            centre = within(share, region, numbers, b)
+            size = smallest + share[dim] * (numbers[n + radius[1]] - smallest)
+            if ti.static(frame.clear):
+                missing = ti.select(is_clear(centre, size, numbers, b), 0.0, 1.0)
+                for attempt in range(1, TRIES):
+                    again = obstacle_shares(key_low, key_high, trial, i, attempt)
+                    other = within(again, region, numbers, b)
+                    other_size = smallest + again[dim] * (numbers[n + radius[1]] - smallest)
+                    taken = (missing > 0.5) & is_clear(other, other_size, numbers, b)
+                    for k in ti.static(range(dim)):
+                        centre[k] = ti.select(taken, other[k], centre[k])
+                    size = ti.select(taken, other_size, size)
+                    missing = ti.select(taken, 0.0, missing)
+                exists = exists & (missing < 0.5)
+            for k in ti.static(range(dim)):
+                store(obstacles, o + k, fresh, ti.select(exists, centre[k], FAR))
+            store(obstacles, o + dim, fresh, ti.select(exists, size, 0.0))
 
     @ti.func
     def spawn(

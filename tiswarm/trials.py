@@ -138,7 +138,9 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
                                 prey, predators, obstacles, numbers, clock, integer, b, counts, key_low, key_high
                             )
                             if ti.static(structure.hunted):
-                                moves_of.move_predators(prey, predators, obstacles, numbers, clock, b, counts)
+                                moves_of.move_predators(
+                                    prey, predators, obstacles, numbers, clock, integer, b, counts, key_low, key_high
+                                )
                             clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
                             integer[b, TICK] = integer[b, TICK] + ti.u32(1)
 

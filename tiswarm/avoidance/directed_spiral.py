@@ -25,9 +25,9 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(x, y, distance2, me, obstacle, target, weights):
+    def field(away, distance2, me, obstacle, target, weights):
         push = weights.push / distance2 + weights.swirl
         # (target - p)·(o - p) > 0, with o - p = -r
-        ahead = (target.x - me.x) * x + (target.y - me.y) * y < 0.0
+        ahead = (target.x - me.x) * away[0] + (target.y - me.y) * away[1] < 0.0
         swirl = ti.select(ahead, -1.0 * weights.swirl, weights.swirl)
-        return push * x - swirl * y, push * y + swirl * x
+        return push * away[0] - swirl * away[1], push * away[1] + swirl * away[0]

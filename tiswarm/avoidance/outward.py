@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
+from tiswarm.lanes import scaled
 
 
 class Strategy(Avoidance):
     """Lupau 2022, equations 12 to 14."""
+
+    dimensions = (2, 3)
 
     @dataclass(frozen=True)
     class Weights:
@@ -24,6 +27,5 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(x, y, distance2, me, obstacle, target, weights):
-        push = weights.push / distance2
-        return push * x, push * y
+    def field(away, distance2, me, obstacle, target, weights):
+        return scaled(away, weights.push / distance2)

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.avoidance import Avoidance
+from tiswarm.lanes import scaled
 
 
 class Strategy(Avoidance):
     """The simulator of Lupau 2022: repel Σ (p - o)(1 + radius/|p - o|)."""
+
+    dimensions = (2, 3)
 
     @dataclass(frozen=True)
     class Weights:
@@ -24,6 +27,5 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(x, y, distance2, me, obstacle, target, weights):
-        push = weights.repel * (1.0 + obstacle.radius / ti.sqrt(distance2))
-        return push * x, push * y
+    def field(away, distance2, me, obstacle, target, weights):
+        return scaled(away, weights.repel * (1.0 + obstacle.radius / ti.sqrt(distance2)))

@@ -25,6 +25,6 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def field(x, y, distance2, me, obstacle, target, weights):
+    def field(away, distance2, me, obstacle, target, weights):
         push = weights.push / distance2 + weights.swirl
-        return push * x - weights.swirl * y, push * y + weights.swirl * x
+        return push * away[0] - weights.swirl * away[1], push * away[1] + weights.swirl * away[0]

@@ -26,16 +26,16 @@ class Strategy(Avoidance):
 
     @staticmethod
     @ti.func
-    def blocks(me, course, obstacle, weights):
+    def blocks(me, course, away, obstacle, weights):
         """|tan(angle to the centre)| <= (my radius + its radius)/distance, without the divisions.
 
         An obstacle right behind blocks too, as its tangent is small as well: the simulator's quirk, kept.
         """
-        x = obstacle.x - me.x
-        y = obstacle.y - me.y
+        x = 0.0 - away[0]
+        y = 0.0 - away[1]
         distance2 = x * x + y * y
-        across = course.x * y - course.y * x
-        along = course.x * x + course.y * y
+        across = course[0] * y - course[1] * x
+        along = course[0] * x + course[1] * y
         size = me.radius + obstacle.radius
         lookahead = larger(obstacle.radius + weights.lookahead, 0.0)
         ahead = across * across * distance2 <= size * size * along * along

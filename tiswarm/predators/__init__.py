@@ -4,16 +4,25 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.lanes import motion, scaled
+
 
 class Predator:
     """What a predator strategy may do; the base does nothing. Lanes rules: CONTRIBUTING, "Write a term in lanes".
 
     parts: names of other strategies that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
+    notes: names of numbers that `observe` collects over single prey in one tick.
+        "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
+    flocks: whether the scenario's separation, cohesion and alignment act.
+    rules: whether `pursue` gives the velocity itself, so that nothing else adds to it.
     """
 
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
+    notes: tuple[str, ...] = ()
+    flocks: bool = True
+    rules: bool = False
 
     @dataclass(frozen=True)
     class Weights:
@@ -32,9 +41,17 @@ class Predator:
 
     @staticmethod
     @ti.func
-    def pursue(me, quarry, target, weights):
-        """Give where to go, (x, y); `predators.goal` times this is added to the velocity.
+    def observe(notes: ti.template(), me, prey, away, quarry, weights):
+        """Add to the notes what one prey tells after its move, at any distance, gone ones (prey.alive = 0) too.
 
-        quarry: the alive prey after their move, mean position (x, y) and velocity (vx, vy).
+        away: the way from it to me.
         """
-        return 0.0, 0.0
+
+    @staticmethod
+    @ti.func
+    def pursue(me, quarry, target, notes, weights):
+        """Give where to go, one number an axis; `predators.goal` times this is added to the velocity.
+
+        quarry: the alive prey after their move: how many (n), mean position (x, y) and velocity (vx, vy); age: ticks run.
+        """
+        return scaled(motion(me), 0.0)

@@ -2,13 +2,16 @@
 
 import taichi as ti
 
+from tiswarm.lanes import minus, place
 from tiswarm.predators import Predator
 
 
 class Strategy(Predator):
     """Lupau 2022, section 6.3, centre steering: g - p."""
 
+    dimensions = (2, 3)
+
     @staticmethod
     @ti.func
-    def pursue(me, quarry, target, weights):
-        return quarry.x - me.x, quarry.y - me.y
+    def pursue(me, quarry, target, notes, weights):
+        return minus(place(quarry), place(me))

@@ -14,9 +14,9 @@ class Strategy(Predator):
 
     @staticmethod
     @ti.func
-    def pursue(me, quarry, target, weights):
-        ahead_x, ahead_y = unit(target.x - quarry.x, target.y - quarry.y)
-        sight_x, sight_y = unit(quarry.x - me.x, quarry.y - me.y)
+    def pursue(me, quarry, target, notes, weights):
+        ahead_x, ahead_y = unit([target.x - quarry.x, target.y - quarry.y])
+        sight_x, sight_y = unit([quarry.x - me.x, quarry.y - me.y])
         closing = (quarry.vx * ahead_x + quarry.vy * ahead_y) / me.max_speed
         across = closing * (ahead_x * sight_y - ahead_y * sight_x)
         # Jumps make s exceed 1 in 2 % of trials, where the simulator gives NaN: clamped.

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.lanes import motion, place, plus, scaled
+
 
 class Prey:
     """What a prey strategy may do; the base does nothing. Lanes rules: CONTRIBUTING, "Write a term in lanes".
@@ -11,7 +13,10 @@ class Prey:
     parts: names of other strategies that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
     memory: names of numbers that an agent keeps between ticks, all 0 at the start.
-    notes: names of sums that `observe` collects over the mates in one tick.
+    notes: names of sums that `observe` and `beware` collect over mates and predators in one tick.
+        "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
+    shown: those of them that mates see of each other, as numbers of `me` and `mate`.
+    flocks: whether the scenario's separation, cohesion and alignment act as in flocking.py; else the strategy sees to it.
     watches: whether `threat` is needed (it costs a loop over the predators).
     dice: whether `kick` needs two random numbers a tick.
     """
@@ -19,7 +24,9 @@ class Prey:
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
     memory: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    flocks: bool = True
     watches: bool = False
     dice: bool = False
 
@@ -50,22 +57,44 @@ class Prey:
 
     @staticmethod
     @ti.func
-    def observe(notes: ti.template(), me, mate, first, second, weights):
-        """Add what one alive mate (any distance) tells to the notes; `first` and `second` are agents 1 and 2."""
+    def start(memory: ti.template(), me, weights):
+        """Set the memory before the first tick."""
+
+    @staticmethod
+    @ti.func
+    def observe(notes: ti.template(), me, mate, away, first, second, weights):
+        """Add to the notes what one other mate tells, at any distance, gone ones (mate.alive = 0) too.
+
+        away: the way from it to me; first, second: agents 1 and 2.
+        """
+
+    @staticmethod
+    @ti.func
+    def beware(notes: ti.template(), me, hunter, away, weights):
+        """Add to the notes what one predator tells, at any distance, gone ones (hunter.alive = 0) too."""
 
     @staticmethod
     @ti.func
     def steer(me, threat, swarm, notes, memory, weights):
-        """Give what is added to the velocity, (x, y)."""
-        return 0.0, 0.0
+        """Give what is added to the velocity, one number an axis."""
+        return scaled(motion(me), 0.0)
+
+    @staticmethod
+    @ti.func
+    def integrate(me, push, swarm, notes, memory, dt, weights):
+        """Give the velocity after the tick, before the cap: for models driven by acceleration, in the place of `steer`.
+
+        push: what goal, field and walls would add to the velocity.
+        """
+        return plus(motion(me), push)
 
     @staticmethod
     @ti.func
     def kick(threat, dice, memory, weights):
-        """Give what is added to the velocity after the speed cap, (x, y)."""
-        return 0.0, 0.0
+        """Give what is added to the velocity after the speed cap, one number an axis."""
+        return scaled(place(threat), 0.0)
 
     @staticmethod
     @ti.func
-    def remember(memory: ti.template(), seen, swarm_seen, weights):
-        """Update the memory at the end of a move; `seen` predators are in sight, `swarm_seen` in anybody's."""
+    def remember(memory: ti.template(), me, seen, swarm_seen, weights):
+        """Update the memory at the end of a move; `seen` predators were in sight, `swarm_seen` in anybody's."""

@@ -5,3 +5,5 @@ from tiswarm.prey import Prey
 
 class Strategy(Prey):
     """Lupau 2022, section 6.2, baseline."""
+
+    dimensions = (2, 3)

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.lanes import place, scaled
 from tiswarm.prey import Prey
 
 
 class Strategy(Prey):
     """Lupau 2022, section 6.2, evasive: evade Σ (p - q) over predators q in sight."""
 
+    dimensions = (2, 3)
     watches = True
 
     @dataclass(frozen=True)
@@ -21,4 +23,4 @@ class Strategy(Prey):
     @staticmethod
     @ti.func
     def steer(me, threat, swarm, notes, memory, weights):
-        return weights.evade * threat.x, weights.evade * threat.y
+        return scaled(place(threat), weights.evade)

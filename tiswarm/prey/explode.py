@@ -42,6 +42,6 @@ class Strategy(Prey):
 
     @staticmethod
     @ti.func
-    def remember(memory: ti.template(), seen, swarm_seen, weights):
+    def remember(memory: ti.template(), me, seen, swarm_seen, weights):
         lit = (seen > 0.5) | ((swarm_seen > 0.5) & (weights.communicate > 0.5))
         memory.fuse = ti.select(memory.fuse > 0.5, memory.fuse + 1.0, ti.select(lit, 1.0, 0.0))

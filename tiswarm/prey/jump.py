@@ -31,11 +31,11 @@ class Strategy(Prey):
     @staticmethod
     @ti.func
     def kick(threat, dice, memory, weights):
-        x, y = unit(dice.a, dice.b)
+        x, y = unit([dice.a, dice.b])
         leap = ti.select((threat.n > 0.5) & (memory.jumped < 0.5), weights.leap, 0.0)
         return leap * x, leap * y
 
     @staticmethod
     @ti.func
-    def remember(memory: ti.template(), seen, swarm_seen, weights):
+    def remember(memory: ti.template(), me, seen, swarm_seen, weights):
         memory.jumped = ti.select(seen > 0.5, 1.0, 0.0)

@@ -34,7 +34,7 @@ class Strategy(Prey):
 
     @staticmethod
     @ti.func
-    def observe(notes: ti.template(), me, mate, first, second, weights):
+    def observe(notes: ti.template(), me, mate, away, first, second, weights):
         odd = me.number & 1
         even = 1 - odd
         from_x = mate.x - (odd * second.x + even * first.x)
