@@ -24,6 +24,7 @@ MOST_TRIALS = 100_000_000
 NO_LIMIT = 2**31 - 1
 
 Progress = bool | Callable[[int, int], None]
+Finished = Callable[[int, Results], None]
 
 
 class Blocks:
@@ -96,14 +97,19 @@ def simulate(
 
 
 def simulate_many(
-    scenarios: Sequence[Scenario], trials: int = 1000, seed: int = 0, progress: Progress = False
+    scenarios: Sequence[Scenario],
+    trials: int = 1000,
+    seed: int = 0,
+    progress: Progress = False,
+    finished: Finished | None = None,
 ) -> list[Results]:
     """Run the same trials of several scenarios as one batch with one kernel, which holds the code of all of them.
 
     Each scenario gets the same bits as on its own: code that it does not use counts with a weight of zero.
+    finished: called with a scenario's place and its results once its last trial is over, while others still run.
     """
     trials, seed = _checked(trials, seed)
-    return _run(list(scenarios), trials, seed, progress)
+    return _run(list(scenarios), trials, seed, progress, finished=finished)
 
 
 def _checked(trials: int, seed: int) -> tuple[int, int]:
@@ -122,10 +128,13 @@ def _run(
     progress: Progress,
     weights: Mapping[str, np.ndarray] | None = None,
     counts: tuple[int, int, int] | None = None,
+    finished: Finished | None = None,
 ) -> list[Results]:
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
     outcomes = np.zeros((len(scenarios) * count, len(trials.OUTCOMES)), np.int32)
+    split = outcomes.reshape(len(scenarios), count, -1)
+    results: list[Results] = []
     with reporting(progress, len(outcomes), "trials") as report:
         for first in range(0, len(outcomes), CHUNK):
             jobs = np.arange(first, min(first + CHUNK, len(outcomes)))
@@ -135,12 +144,13 @@ def _run(
             rows = jobs - first if weights else jobs // count
             places = np.stack([rows, jobs % count], axis=1).astype(np.int32)
             blocks.advance(table, places, np.array([0, len(jobs)], np.int32), outcomes[jobs[0] : jobs[-1] + 1], seed, NO_LIMIT)
+            while (len(results) + 1) * count <= jobs[-1] + 1:  # the launch ran the last trials of these scenarios
+                own = dict(zip(trials.OUTCOMES, split[len(results)].T, strict=True))
+                results.append(Results.of(scenarios[len(results)], seed, runtime.start(), own, weights))
+                if finished is not None:
+                    finished(len(results) - 1, results[-1])
             report(int(jobs[-1]) + 1)
-    split = outcomes.reshape(len(scenarios), count, -1)
-    return [
-        Results.of(scenario, seed, runtime.start(), dict(zip(trials.OUTCOMES, each.T, strict=True)), weights)
-        for scenario, each in zip(scenarios, split, strict=True)
-    ]
+    return results
 
 
 def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:

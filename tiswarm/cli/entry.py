@@ -1,0 +1,82 @@
+"""Entry: the verbs put together, run, and every fault told in one line."""
+
+import os
+import signal
+import sys
+from typing import Annotated, NoReturn
+
+import typer
+
+from tiswarm import __version__
+from tiswarm.cli.bench import bench
+from tiswarm.cli.film import demo, film
+from tiswarm.cli.options import out
+from tiswarm.cli.run import run, speed
+from tiswarm.cli.shelf import presets, show
+from tiswarm.progress import INTERRUPTED, heed_interrupts, listen_for_interrupts
+
+app = typer.Typer(
+    name="tiswarm",
+    help="Predator-prey swarms: thousands of trials in parallel, published tables, films.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+for _verb in (presets, show, run, film, demo, bench, speed):
+    app.command()(_verb)
+
+
+def main() -> NoReturn:
+    """Run the command line: exit code 0, 2 for wrong input, 1 for a fault, 130 for Ctrl-C; never a traceback."""
+    listen_for_interrupts()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # an exception, so that half-written files are cleaned up
+    try:
+        code = app(standalone_mode=False)
+        if code == INTERRUPTED:  # some versions of typer turn Ctrl-C into this themselves
+            raise KeyboardInterrupt
+        heed_interrupts()
+    except (KeyboardInterrupt, typer.Abort):
+        code = _complain("interrupted; nothing half-written is left", INTERRUPTED)
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    except MemoryError:
+        code = _complain("out of memory; run fewer trials or agents at once", 1)
+    except RecursionError:
+        code = _complain("a value is nested too deeply", 2)
+    except (OSError, RuntimeError) as error:
+        code = _complain(_fault(error), 1)
+    except ValueError as error:
+        code = _complain(str(error), 2)
+    except typer.Exit as stop:
+        code = stop.exit_code
+    except Exception as error:
+        if type(error).__module__.startswith("taichi"):  # a strategy of the user's that does not compile
+            sys.exit(_complain(f"a strategy cannot be compiled: {str(error).splitlines()[-1]}", 2))
+        message = getattr(error, "format_message", None)  # wrong options, as typer's own parser finds them
+        if message is None:
+            raise
+        code = _complain(message().replace("\n", " ") or "no command given; see 'tiswarm --help'", 2)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(message: str, code: int) -> int:
+    sys.stderr.write(f"tiswarm: {' '.join(message.split())}\n")
+    return code
+
+
+def _fault(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error) or type(error).__name__
+
+
+@app.callback(invoke_without_command=True)
+def _about(
+    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False
+) -> None:
+    if context.invoked_subcommand is None and not version:
+        out.print(context.get_help())
+    if version:
+        out.print(f"tiswarm {__version__}")
+        raise typer.Exit

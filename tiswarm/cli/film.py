@@ -1,0 +1,178 @@
+"""Film: one trial or several as a film, and the showcases."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from tiswarm.cli.options import (
+    Fps,
+    Precision,
+    Quiet,
+    Seed,
+    Sets,
+    Size,
+    StrategyPath,
+    Theme,
+    Threads,
+    WrongInput,
+    load_scenario,
+    out,
+    pair,
+    start,
+)
+from tiswarm.progress import begin_work, reporting
+
+
+def film(
+    source: Annotated[str, typer.Argument(metavar="PRESET|RECORDING", help="A preset to run, or a recording (.npz).")],
+    trial: Annotated[int, typer.Option("--trial", metavar="K", help="Number of the trial to film.")] = 0,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="The film: .mp4, .webm or .gif; out/NAME-TRIAL.mp4 when left out."),
+    ] = None,
+    grid: Annotated[
+        str | None, typer.Option("--grid", metavar="CxR", help="Film C x R trials at once, from --trial on.")
+    ] = None,
+    versus: Annotated[
+        str | None,
+        typer.Option("--versus", metavar="A,B[,C]", help="Film the same trial under several prey strategies, side by side."),
+    ] = None,
+    poster: Annotated[
+        Path | None, typer.Option("--poster", metavar="FILE", help="Also write the liveliest frame as an image.")
+    ] = None,
+    sheet: Annotated[Path | None, typer.Option("--sheet", metavar="FILE", help="Also write a contact sheet.")] = None,
+    size: Size = "1280x720",
+    fps: Fps = None,
+    speed: Annotated[float, typer.Option("--speed", metavar="N", help="Ticks per second of film.")] = 10.0,
+    trail: Annotated[float, typer.Option("--trail", metavar="S", help="Seconds that trails last; 0 for none.")] = 2.5,
+    theme: Theme = "dark",
+    quality: Annotated[str, typer.Option("--quality", metavar="NAME", help="draft, good or best.")] = "good",
+    camera: Annotated[
+        str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
+    ] = "fit",
+    overlay: Annotated[
+        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage.")
+    ] = "",
+    slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
+    sets: Sets = None,
+    strategy_path: StrategyPath = None,
+    seed: Seed = 0,
+    threads: Threads = None,
+    precision: Precision = "f32",
+    quiet: Quiet = False,
+) -> None:
+    """Run one trial and film it, or several at once, or film a recording."""
+    import render
+
+    look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": _names(overlay), "slow": slow}
+    render.Look(**look)  # wrong choices are told before anything runs
+    pixels = pair(size, "--size", "1280x720")
+    start(seed, threads, precision, strategy_path)
+    subject, name = _subject(source, sets, trial, seed, grid, versus)
+    _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
+    if poster is not None:
+        render.poster(subject, poster, size=pixels, **look)
+    if sheet is not None:
+        render.sheet(subject, sheet, **look)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _camera(text: str) -> Any:
+    """Read a camera: its name, or a box of four numbers."""
+    if "," not in text:
+        return text
+    try:
+        x0, y0, x1, y1 = map(float, text.split(","))
+    except ValueError:
+        raise WrongInput(f"--camera {text}: write a box as x0,y0,x1,y1, for example --camera 0,0,50,25") from None
+    return ((x0, y0), (x1, y1))
+
+
+def _subject(
+    source: str, sets: list[str] | None, trial: int, seed: int, grid: str | None, versus: str | None
+) -> tuple[Any, str]:
+    """Give what to film, one recording or several, and a name for the file."""
+    import tiswarm
+
+    if source.endswith(".npz"):
+        if sets or grid or versus:
+            raise WrongInput(f"{source}: a recording is what it is; film a preset to use --set, --grid or --versus")
+        if not Path(source).is_file():
+            raise WrongInput(f"{source}: no such file; record one with tiswarm.record(...).save(...)")
+        return tiswarm.Recording.load(source), Path(source).stem
+    if grid and versus:
+        raise WrongInput("--grid, --versus: use one of them")
+    plain = Path(source).stem if source.endswith(".toml") else source.replace("/", "-")
+    if versus:
+        strategies = _names(versus)
+        if len(strategies) < 2:
+            raise WrongInput(f"--versus {versus}: name two prey strategies or more, for example --versus evasive,split-evasive")
+        scenarios = [load_scenario(source, [*(sets or []), f"prey.strategy={name}"]) for name in strategies]
+        return [tiswarm.record(scenario, trial, seed) for scenario in scenarios], f"{plain}-{trial}-versus"
+    scenario = load_scenario(source, sets)
+    if grid:
+        columns, rows = pair(grid, "--grid", "4x4")
+        if not 1 <= columns * rows <= 100:
+            raise WrongInput(f"--grid {grid}: film 1 to 100 trials at once")
+        return [tiswarm.record(scenario, trial + k, seed) for k in range(columns * rows)], f"{plain}-{trial}-grid"
+    return tiswarm.record(scenario, trial, seed), f"{plain}-{trial}"
+
+
+def demo(
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="A preset under demo/.")] = "chase",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="The film; out/NAME.mp4 when left out.")
+    ] = None,
+    size: Size = "1280x720",
+    fps: Fps = None,
+    theme: Theme = "dark",
+    seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Another seed than the showcase's.")] = None,
+    threads: Threads = None,
+    precision: Precision = "f32",
+    quiet: Quiet = False,
+) -> None:
+    """Simulate and film a showcase into out/."""
+    import tiswarm
+
+    pixels = pair(size, "--size", "1280x720")
+    start(seed or 0, threads, precision)
+    scenario = tiswarm.load(name)
+    chosen = scenario.showcase
+    recording = tiswarm.record(scenario, chosen.trial, chosen.seed if seed is None else seed)
+    _film(recording, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet, theme=theme)
+
+
+def _film(subject: Any, path: Path, size: tuple[int, int], fps: int | None, quiet: bool, **look: Any) -> None:
+    import render
+
+    started = time.perf_counter()
+    with _frame_report(quiet) as report:
+        film = render.film(subject, path, size=size, fps=fps, progress=report, **look)
+    if quiet:
+        return
+    first, *others = subject if isinstance(subject, list) else [subject]
+    what = f"{len(others) + 1} trials" if others else f"trial {first.trial}, {first.ticks} ticks"
+    seconds = time.perf_counter() - started
+    out.print(f"{path}  ({what}, seed {first.seed}; {film.frames / film.fps:.1f} s of film in {seconds:.1f} s)")
+
+
+@contextmanager
+def _frame_report(quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """Give the function that a film reports its frames to: a bar on a terminal, opened when their number is known."""
+    begin_work()
+    with ExitStack() as bars:
+        shown: list[Callable[[int], None]] = []
+
+        def report(done: int, total: int) -> None:
+            if not shown:
+                shown.append(bars.enter_context(reporting(not quiet, total, "frames")))
+            shown[0](done)
+
+        yield report

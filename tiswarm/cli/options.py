@@ -1,0 +1,73 @@
+"""Options: what the verbs of the command line take, and how it is read."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
+
+Preset = Annotated[
+    str, typer.Argument(metavar="PRESET", help="A preset's name (see 'tiswarm presets') or the path of a TOML file.")
+]
+Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of all random numbers.")]
+Threads = Annotated[
+    int | None, typer.Option("--threads", metavar="N", help="CPU threads; all when left out. No result depends on it.")
+]
+Precision = Annotated[str, typer.Option("--precision", metavar="f32|f64", help="Precision of the simulation.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress bars, no notes.")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the scenario; repeat for more.")
+]
+StrategyPath = Annotated[
+    list[Path] | None,
+    typer.Option("--strategy-path", metavar="DIR", help="Folder with prey/, predators/ or avoidance/ files of your own."),
+]
+Theme = Annotated[str, typer.Option("--theme", metavar="NAME", help="dark, light or print.")]
+Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height of the film in pixels, both even.")]
+Fps = Annotated[int | None, typer.Option("--fps", metavar="N", help="Frames per second; 60, or 25 in a GIF, when left out.")]
+
+
+class WrongInput(ValueError):
+    """Something that the user typed cannot be; the message names the mend."""
+
+
+def start(seed: int, threads: int | None, precision: str, strategy_path: list[Path] | None = None) -> None:
+    """Check what every verb takes, and start Taichi."""
+    import tiswarm
+    from tiswarm.rng import seed_words
+
+    for folder in strategy_path or []:
+        tiswarm.add_path(folder)
+    seed_words(seed)
+    tiswarm.init(precision, threads)  # type: ignore[arg-type]
+
+
+def load_scenario(preset: str, sets: list[str] | None) -> Any:
+    """Load a preset with what --set changes."""
+    import tiswarm
+
+    return tiswarm.load(preset, dict(assignment(each) for each in sets or []))
+
+
+def assignment(text: str) -> tuple[str, Any]:
+    """Read KEY=VALUE: the value as TOML, or a bare word as text."""
+    import tomllib
+
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise WrongInput(f"--set {text}: write KEY=VALUE, for example --set prey.strategy=evasive")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key.strip(), value.strip()
+
+
+def pair(text: str, option: str, example: str) -> tuple[int, int]:
+    """Read two whole numbers, written AxB."""
+    first, _, second = text.lower().partition("x")
+    if not (first.isdigit() and second.isdigit()):
+        raise WrongInput(f"{option} {text}: write two whole numbers, for example {option} {example}")
+    return int(first), int(second)
