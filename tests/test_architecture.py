@@ -26,6 +26,7 @@ ORDER = [
     "layout",
     "spawn",
     "observe",
+    "measure",
     "contact",
     "sense",
     "step",

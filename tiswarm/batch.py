@@ -7,7 +7,7 @@ import numpy as np
 
 from tiswarm import rng, runtime, trials
 from tiswarm.explain import ScenarioError
-from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Structure
+from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
 from tiswarm.progress import reporting
 from tiswarm.registry import nearest
 from tiswarm.results import Results
@@ -42,7 +42,7 @@ class Blocks:
             max(scenario.predators.count for scenario in scenarios),
             max(scenario.obstacles.count for scenario in scenarios),
         )
-        self.kernel, self.layout = trials.kernel(Structure.of(scenarios, self.counts[1]))
+        self.kernel, self.layout, (sums, cells) = trials.kernel(Structure.of(scenarios, self.counts[1]))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype
@@ -52,9 +52,26 @@ class Blocks:
         self.numbers = runtime.aligned((blocks * len(self.layout.paths), LANES), types.dtype)
         self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
         self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
+        self.sums = runtime.aligned((blocks * sums, LANES), types.dtype)
+        self.ground = runtime.aligned((blocks * max(cells, 1), LANES), types.dtype)
+        self.measures = self.layout.structure.frame.measures
+
+    def outcomes(self, trials_count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Allocate what a batch writes down: [trial, outcome] and [trial, measure], one column at least."""
+        return (
+            np.zeros((trials_count, len(trials.OUTCOMES)), np.int32),
+            np.zeros((trials_count, max(len(self.measures), 1)), self.dtype),
+        )
 
     def advance(
-        self, table: np.ndarray, jobs: np.ndarray, queue: np.ndarray, results: np.ndarray, seed: int, moves: int
+        self,
+        table: np.ndarray,
+        jobs: np.ndarray,
+        queue: np.ndarray,
+        results: np.ndarray,
+        measured: np.ndarray,
+        seed: int,
+        moves: int,
     ) -> None:
         """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
         self.kernel(
@@ -68,6 +85,9 @@ class Blocks:
             jobs,
             queue,
             results,
+            self.sums,
+            self.ground,
+            measured,
             *self.counts,
             *rng.seed_words(seed),
             self.blocks,
@@ -132,8 +152,8 @@ def _run(
 ) -> list[Results]:
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
-    outcomes = np.zeros((len(scenarios) * count, len(trials.OUTCOMES)), np.int32)
-    split = outcomes.reshape(len(scenarios), count, -1)
+    outcomes, measured = blocks.outcomes(len(scenarios) * count)
+    split, split_measured = (each.reshape(len(scenarios), count, -1) for each in (outcomes, measured))
     results: list[Results] = []
     with reporting(progress, len(outcomes), "trials") as report:
         for first in range(0, len(outcomes), CHUNK):
@@ -143,10 +163,13 @@ def _run(
                 table = blocks.layout.table(scenarios, chunk).astype(blocks.dtype)
             rows = jobs - first if weights else jobs // count
             places = np.stack([rows, jobs % count], axis=1).astype(np.int32)
-            blocks.advance(table, places, np.array([0, len(jobs)], np.int32), outcomes[jobs[0] : jobs[-1] + 1], seed, NO_LIMIT)
+            here = slice(jobs[0], jobs[-1] + 1)
+            queue = np.array([0, len(jobs)], np.int32)
+            blocks.advance(table, places, queue, outcomes[here], measured[here], seed, NO_LIMIT)
             while (len(results) + 1) * count <= jobs[-1] + 1:  # the launch ran the last trials of these scenarios
                 own = dict(zip(trials.OUTCOMES, split[len(results)].T, strict=True))
-                results.append(Results.of(scenarios[len(results)], seed, runtime.start(), own, weights))
+                values = dict(zip(blocks.measures, split_measured[len(results)].T.astype(np.float64), strict=False))
+                results.append(Results.of(scenarios[len(results)], seed, runtime.start(), own, values, weights))
                 if finished is not None:
                     finished(len(results) - 1, results[-1])
             report(int(jobs[-1]) + 1)
@@ -156,16 +179,19 @@ def _run(
 def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
     """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
     known = list(scenario.numbers())
+    settled = differing(scenario)
     arrays = {}
     for path, values in weights.items():
         if path not in known:
             raise ScenarioError(f"weights: unknown key '{path}'; {nearest(path, known)}")
+        if path not in settled:
+            raise ScenarioError(f"weights: {path} is the same for all trials of a batch; set it in the scenario")
         array = np.asarray(values, np.float64)
         if array.shape != (count,):
             raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
         if not np.isfinite(array).all() or np.abs(array).max() > LIMIT:
             raise ScenarioError(f"weights: {path} holds a number that is not finite, or beyond {LIMIT:g}")
-        whole = path.endswith(".count") or path == "world.ticks"
+        whole = path.endswith(".count") or path in ("world.ticks", "measures.after")
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array
@@ -178,6 +204,13 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
         return int(arrays[f"{kind}.count"].max()) if f"{kind}.count" in arrays else getattr(scenario, kind).count
 
     return most("prey"), most("predators"), most("obstacles")
+
+
+def differing(scenario: Scenario) -> set[str]:
+    """List the numbers that may differ from trial to trial: what a kernel reads from its table, the structure kept."""
+    own = Layout(Structure.of([scenario], 1), runtime.types().lanes).paths
+    weights = {path for path in scenario.numbers() if ".weights." in path}
+    return (set(own) | weights) - {"coverage.cell"}
 
 
 def _other_end(path: str) -> str | None:

@@ -20,6 +20,7 @@ def check(scenario: Any) -> None:
             able = registry.dimensions(where, name)
             if dim not in able and (kind == "prey" or agents.count):
                 raise ScenarioError(f"{kind}.{key}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
+        _check_flat(kind, agents, dim)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
@@ -27,6 +28,15 @@ def check(scenario: Any) -> None:
         if scenario.world.boundary != "open" and agents.count:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
     _check_measures(scenario)
+
+
+def _check_flat(kind: registry.Kind, agents: Any, dim: int) -> None:
+    """Refuse choices of a strategy that have a meaning in the plane only."""
+    for part in registry.parts(kind, agents.strategy) if dim != 2 else ():
+        for key, word in getattr(registry.load(kind, part), "flat_only", ()):
+            if agents.weights[key] == word:
+                told = f"{agents.weights[key]!r} needs a flat world, world.size has {dim} numbers"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 
 def _vectors(scenario: Any) -> list[tuple[str, tuple[float, ...]]]:

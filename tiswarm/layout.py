@@ -127,7 +127,7 @@ def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
     return registry.parts(where, getattr(getattr(scenario, kind), role))
 
 
-def _agent_rows(dim: int, unicycles: bool) -> SimpleNamespace:
+def _agent_rows(dim: int, unicycles: bool, grouped: bool) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
@@ -145,6 +145,7 @@ def _agent_rows(dim: int, unicycles: bool) -> SimpleNamespace:
         next_place=vector(),
         next_motion=vector(),
         heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
+        label=next(row) if grouped else -1,
         count=next(row),
     )
 
@@ -161,7 +162,8 @@ class Layout:
         self.structure = structure
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
-        self.rows = _agent_rows(structure.frame.dim, bool(structure.frame.unicycles))
+        frame = structure.frame
+        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), "groups" in frame.measures)
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),

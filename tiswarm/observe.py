@@ -89,18 +89,14 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
         return p.Weights(*[numbers[n + column] for column in ti.static(p.columns)])
 
     @ti.func
-    def shortest(way, numbers: ti.template(), b):
-        """Give the shortest of the images of a way between two places in a periodic world."""
-        n = b * width
-        return [
-            part - numbers[n + column] * ti.floor(part / numbers[n + column] + 0.5)
-            for part, column in ti.static(zip(way, at.size, strict=True))
-        ]
-
-    @ti.func
     def away(me: ti.template(), other: ti.template(), numbers: ti.template(), b, wrapped: ti.template()):
+        """Give the way from the other to me; where it is wrapped, the shortest of its images in a periodic world."""
         way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
-        return shortest(way, numbers, b) if ti.static(wrapped) else way
+        if ti.static(wrapped):
+            for k in ti.static(range(dim)):
+                size = numbers[b * width + at.size[k]]
+                way[k] = way[k] - size * ti.floor(way[k] / size + 0.5)
+        return way
 
     @ti.func
     def sight(me: ti.template(), other: ti.template(), numbers: ti.template(), b):

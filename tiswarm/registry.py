@@ -172,8 +172,8 @@ def defaults(kind: Kind, name: str) -> dict[str, float | str]:
     return found
 
 
-def choices(kind: Kind, name: str) -> dict[str, tuple[str, ...]]:
-    """Map those weights of a strategy that are a choice between words to the words; a kernel sees a word as its place."""
+def choices(kind: Kind, name: str) -> dict[str, tuple[Any, ...]]:
+    """Map those weights of a strategy that are a choice to what may be chosen; a kernel sees the place in that list."""
     return {
         field.name: get_args(field.type)
         for part in parts(kind, name)

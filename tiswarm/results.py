@@ -39,7 +39,10 @@ class Estimate:
 
     @classmethod
     def of(cls, values: np.ndarray) -> "Estimate":
-        """Estimate the mean of independent values; one value has no standard error (NaN)."""
+        """Estimate the mean of independent values, NaN left out; one value has no standard error (NaN)."""
+        values = values[np.isfinite(values)]
+        if len(values) == 0:
+            return cls(math.nan, math.nan, math.nan, math.nan)
         mean = float(np.mean(values))
         stderr = float(np.std(values, ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan
         return cls(mean, stderr, mean - Z95 * stderr, mean + Z95 * stderr)
@@ -50,7 +53,8 @@ class Results:
     """Outcomes of a batch, one entry a trial.
 
     arrived, captured, crashed, alive: prey counts; ticks: how long the trial ran; first_arrival, last_arrival: ticks, 0 when
-    nobody arrived; spawned: prey at the start; dt: [s]. weights: numbers of single trials, by path.
+    nobody arrived; spawned: prey at the start; dt: [s]. measures: what the scenario's `measures` name, NaN where a trial had no
+    state to measure or never came so far; weights: numbers of single trials, by path.
     """
 
     scenario: Scenario
@@ -65,6 +69,7 @@ class Results:
     last_arrival: np.ndarray
     spawned: np.ndarray
     dt: np.ndarray
+    measures: Mapping[str, np.ndarray] = field(default_factory=dict)
     weights: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod
@@ -74,6 +79,7 @@ class Results:
         seed: int,
         settings: Settings,
         outcomes: Mapping[str, np.ndarray],
+        measures: Mapping[str, np.ndarray],
         weights: Mapping[str, np.ndarray] | None,
     ) -> "Results":
         """Put what the kernel wrote down beside what each trial started with."""
@@ -81,7 +87,7 @@ class Results:
         shape = outcomes["ticks"].shape
         spawned = np.broadcast_to(np.asarray(own.get("prey.count", scenario.prey.count)), shape).astype(np.int32)
         dt = np.broadcast_to(np.asarray(own.get("world.dt", scenario.world.dt), np.float64), shape)
-        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, weights=own)
+        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, measures=measures, weights=own)
 
     @property
     def trials(self) -> int:
@@ -104,8 +110,12 @@ class Results:
         return np.where(self.arrived >= 2, self.last_arrival - self.first_arrival, 0) * self.dt
 
     def summary(self) -> dict[str, Estimate]:
-        """Estimate each measure over the trials."""
-        return {name: Estimate.of(np.asarray(getattr(self, name), np.float64)) for name in MEASURES}
+        """Estimate each measure over the trials; over those that have it, where some have not."""
+        return {name: Estimate.of(self.measure(name)) for name in (*MEASURES, *self.measures)}
+
+    def measure(self, name: str) -> np.ndarray:
+        """Give a measure by name: [trial]. Errors: KeyError."""
+        return np.asarray(self.measures[name] if name in self.measures else getattr(self, name), np.float64)
 
     def summary_json(self) -> str:
         """Write the summary as JSON, with what was run; a standard error that one trial cannot have is null."""
@@ -120,10 +130,10 @@ class Results:
         """Write one row per trial, with the weights of its own behind."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow((*COLUMNS, *self.weights))
+        writer.writerow((*COLUMNS, *self.measures, *self.weights))
         own: dict[str, Any] = {"trial": np.arange(self.trials), "seed": np.full(self.trials, self.seed, dtype=object)}
         columns = [own.get(name, getattr(self, name, None)) for name in COLUMNS] + [
-            np.asarray(each) for each in self.weights.values()
+            np.asarray(each) for each in (*self.measures.values(), *self.weights.values())
         ]
         writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
         return text.getvalue()
@@ -151,7 +161,8 @@ def compare(a: Results, b: Results) -> dict[str, Estimate]:
         raise ValueError(
             f"compare: seed {a.seed} with {a.trials} trials cannot be paired with seed {b.seed} with {b.trials}; run both alike"
         )
-    return {name: Estimate.of(np.asarray(getattr(b, name), np.float64) - getattr(a, name)) for name in MEASURES}
+    both = [name for name in a.measures if name in b.measures]
+    return {name: Estimate.of(b.measure(name) - a.measure(name)) for name in (*MEASURES, *both)}
 
 
 def manifest(settings: Settings, **told: Any) -> str:

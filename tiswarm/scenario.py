@@ -184,7 +184,7 @@ class Agents(Part):
 def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]:
     """Check both strategy names and fill in the weights that a scenario leaves at their defaults."""
     known: dict[str, float | str] = {}
-    words: dict[str, tuple[str, ...]] = {}
+    words: dict[str, tuple[Any, ...]] = {}
     for key, where in (("strategy", kind), ("avoidance", "avoidance")):
         name = agents.get(key)
         if not isinstance(name, str):
@@ -320,7 +320,7 @@ class Scenario(Part):
         kind: registry.Kind
         for kind, agents in (("prey", self.prey), ("predators", self.predators)):
             words = registry.choices(kind, agents.strategy) | registry.choices("avoidance", agents.avoidance)
-            found |= {f"{kind}.weights.{key}": float(known.index(str(agents.weights[key]))) for key, known in words.items()}
+            found |= {f"{kind}.weights.{key}": float(known.index(agents.weights[key])) for key, known in words.items()}
         return found
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":

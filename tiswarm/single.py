@@ -11,7 +11,6 @@ from tiswarm.layout import AGE, DONE
 from tiswarm.recording import FATES, Recording, Swarm
 from tiswarm.scenario import Scenario
 from tiswarm.start import Start
-from tiswarm.trials import OUTCOMES
 
 
 class Single:
@@ -32,7 +31,7 @@ class Single:
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
-        self._results = np.zeros((1, len(OUTCOMES)), np.int32)
+        self._results, self._measured = self._blocks.outcomes(1)
         self._advance(0)
         if start is not None:
             if start.dim != scenario.world.dim:
@@ -42,7 +41,7 @@ class Single:
             self.place("predators", start.predator_position, start.predator_velocity)
 
     def _advance(self, moves: int) -> None:
-        self._blocks.advance(self._table, self._jobs, self._queue, self._results, self.seed, moves)
+        self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
 
     def step(self) -> None:
         """Run one tick."""

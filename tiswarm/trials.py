@@ -5,7 +5,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm import contact, move, observe, runtime, spawn
+from tiswarm import contact, measure, move, observe, runtime, spawn
 from tiswarm.layout import (
     AGE,
     ALIVE_COUNT,
@@ -36,23 +36,24 @@ OUTCOMES = {
 }
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
-_kernels: dict[tuple[int, Structure], tuple[Any, Layout]] = {}
+_kernels: dict[tuple[int, Structure], tuple[Any, Layout, tuple[int, int]]] = {}
 
 
-def kernel(structure: Structure) -> tuple[Any, Layout]:
-    """Give the kernel for a structure, built once per runtime, and the layout of its numbers."""
+def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
+    """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
     key = (runtime.generation(), structure)
     if key not in _kernels:
         _kernels[key] = _build(structure, runtime.types())
     return _kernels[key]
 
 
-def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
+def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, tuple[int, int]]:
     layout = Layout(structure, types.lanes)
     see = observe.build(layout, types)
     starts = spawn.build(layout, types)
     judge = contact.build(layout, types, see).judge
     moves_of = move.build(layout, types, see, starts.uniform)
+    measures = measure.build(layout, types, see)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
     flat = types.lane_array(1)
@@ -68,6 +69,8 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
         jobs: ti.template(),
         queue: ti.template(),
         results: ti.template(),
+        sums: ti.template(),
+        measured: ti.template(),
         b,
     ):
         """Write down trials that have ended, and put the queue's next ones into their lanes.
@@ -79,6 +82,9 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
                 job = ti.cast(integer[b, JOB][lane], ti.i32)
                 for k in ti.static(range(len(outcomes))):
                     results[job, k] = ti.cast(clock[b, outcomes[k]][lane] + 0.5, ti.i32)
+                for k in ti.static(range(measures.count)):
+                    s = b * measures.height + 2 * k
+                    measured[job, k] = sums[s][lane] / sums[s + 1][lane]  # no state to measure: 0/0, not a number
                 clock[b, ON][lane] = 0.0
                 clock[b, DONE][lane] = 0.0
             if clock[b, ON][lane] < 0.5:
@@ -105,6 +111,9 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
         jobs: whole,  # [job] -> row of the table, trial number
         queue: ti.types.ndarray(dtype=ti.i32, ndim=1),  # next job, number of jobs
         results: whole,  # [job, outcome]
+        sums: flat,  # [block * row], see measure.py
+        ground: flat,  # [block * cell]
+        measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
         prey_count: ti.i32,
         predator_count: ti.i32,
         obstacle_count: ti.i32,
@@ -123,13 +132,15 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
                     ended = clock[b, DONE].max() > 0.5
                     waiting = clock[b, ON].min() < 0.5 and queue[0] < queue[1]
                     if ended or waiting:
-                        refill(clock, integer, numbers, table, jobs, queue, results, b)
+                        refill(clock, integer, numbers, table, jobs, queue, results, sums, measured, b)
                         fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
                         starts.spawn(prey, predators, obstacles, counts, numbers, integer, b, fresh, key_low, key_high)
+                        measures.spread_ground(sums, ground, obstacles, numbers, b, obstacle_count, fresh)
                     if clock[b, ON].max() < 0.5:
                         running = 0
                     else:
                         judge(prey, predators, obstacles, numbers, clock, b, counts)
+                        measures.measure(prey, numbers, clock, sums, ground, b, counts)
                         if left == 0:
                             running = 0
                         else:
@@ -144,4 +155,4 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout]:
                             clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
                             integer[b, TICK] = integer[b, TICK] + ti.u32(1)
 
-    return advance, layout
+    return advance, layout, (measures.height, measures.cells)

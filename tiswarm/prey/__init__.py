@@ -12,6 +12,7 @@ class Prey:
 
     parts: names of other strategies that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
+    flat_only: (weight, choice) pairs that have a meaning in the plane only.
     memory: names of numbers that an agent keeps between ticks, all 0 at the start.
     notes: names of sums that `observe` and `beware` collect over mates and predators in one tick.
         "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
@@ -23,6 +24,7 @@ class Prey:
 
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
+    flat_only: tuple[tuple[str, str], ...] = ()
     memory: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
