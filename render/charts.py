@@ -19,7 +19,7 @@ MOST_LABELS = 30
 class Heat:
     """One panel of a heat map: [row, column], NaN where there is no cell.
 
-    away: half the width of the 95 % interval; texts: what stands in a cell, its numbers when None; marked: cells with a frame.
+    away: half the width of the 95 % interval; framed, dotted: which cells stand out.
     """
 
     title: str
@@ -27,7 +27,8 @@ class Heat:
     columns: Sequence[str]
     mean: np.ndarray
     away: np.ndarray
-    marked: np.ndarray | None = None
+    framed: np.ndarray | None = None
+    dotted: np.ndarray | None = None
 
 
 def heat(
@@ -89,7 +90,9 @@ def _heat_panel(axis: Any, panel: Heat, limits: tuple[float, float]) -> Any:
         if np.isfinite(away):
             small = f"±{away:.{digits + 1}f}".replace("±0.", "±.")
             axis.text(column, row + 0.2, small, ha="center", va="center", color=ink, fontsize=6.5, alpha=0.85)
-        if panel.marked is not None and panel.marked[row, column]:
+        if panel.dotted is not None and panel.dotted[row, column]:
+            axis.plot(column + 0.34, row - 0.31, "o", markersize=4.5, mfc=PUBLISHED, mec="white", mew=0.7)
+        if panel.framed is not None and panel.framed[row, column]:
             corner = (column - 0.44, row - 0.44)
             axis.add_patch(Rectangle(corner, 0.88, 0.88, fill=False, edgecolor=PUBLISHED, linewidth=2.2))
     return image

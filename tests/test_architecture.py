@@ -42,6 +42,7 @@ ORDER = [
     "intervals",
     "game",
     "report",
+    "contest",
     "studies",
     "sheets",
     "tables",

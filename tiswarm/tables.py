@@ -3,11 +3,13 @@
 import math
 from collections.abc import Sequence
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from tiswarm.axes import label
+from tiswarm.contest import SHOWN, Contest
 from tiswarm.intervals import Correlation
 from tiswarm.report import Report, Row
 from tiswarm.results import Estimate, Results
@@ -23,9 +25,11 @@ def print_summary(results: Results, out: Console) -> None:
     out.print(table)
 
 
-def print_report(report: Report, out: Console) -> None:
-    """Print a study: against what was published, else its cells; then correlations, and what was computed."""
-    if report.study.published is not None:
+def print_report(report: Report, out: Console, played: Contest | None = None) -> None:
+    """Print a study: as the game that it is, against what was published, or its cells; correlations; what was computed."""
+    if played is not None:
+        print_contest(played, f"{report.study.title}\n{report.study.source}".strip(), out)
+    elif report.study.published is not None:
         _print_rows(report, out)
     else:
         _print_cells(report, out)
@@ -33,6 +37,8 @@ def print_report(report: Report, out: Console) -> None:
         out.print(_correlated(each))
     for line in report.computed.values():
         out.print(f"  {line}", style="dim")
+    if played is not None:
+        out.print(f"  {played.computed}", style="dim")
 
 
 def _print_cells(report: Report, out: Console) -> None:
@@ -117,3 +123,41 @@ def digits_of(measure: str, each: Estimate) -> int:
 def _correlated(each: Correlation) -> str:
     pearson, spearman = (f"{value:+.3f} ({low:+.3f} … {high:+.3f})" for value, low, high in (each.pearson, each.spearman))
     return f"{each.x} against {each.y}, {each.n} cells: Pearson r {pearson}, Spearman rho {spearman}"
+
+
+def print_contest(played: Contest, title: str, out: Console) -> None:
+    """Print a pay-off matrix with intervals, best responses, what is dominated, and the game's value and mixtures."""
+    table = Table(title=title, title_justify="left", box=box.SIMPLE, padding=(0, 1, 0, 0))
+    table.add_column("prey", no_wrap=True)
+    for column in played.columns:
+        table.add_column(f"against {column}", justify="right", no_wrap=True)
+    table.add_column("dominated by")
+    for r, name in enumerate(played.rows):
+        cells = []
+        for c in range(len(played.columns)):
+            each = played.estimate(r, c)
+            marks = ("+" if played.best[0][r, c] else " ") + ("-" if played.best[1][r, c] else " ")
+            cells.append(f"{each.mean:.4f} ({each.low:.4f} … {each.high:.4f}) {marks}")
+        table.add_row(name, *cells, played.dominator("rows", r))
+    out.width = out.width if out.is_terminal else max(out.width, out.measure(table).maximum)
+    out.print(table)
+    out.print(
+        f"{played.measure} with its 95 % interval; + the prey's best answer to the column, - the predators' best to the row"
+    )
+    for c, column in enumerate(played.columns):
+        answers = [r for r in range(len(played.rows)) if played.best[0][r, c]]
+        best = ", ".join(f"{played.rows[r]} (in {played.spread.best[r, c]:.0%} of resamples)" for r in answers)
+        beaten = int(played.best[1][:, c].sum())
+        worse = played.dominator("columns", c)
+        out.print(
+            f"against {column}: prey's best answer {best}; the predators' best answer to {beaten} of {len(played.rows)} rows"
+            + (f"; dominated by {worse}" if worse else "")
+        )
+    out.print(f"value of the game {played.solution.value:.4f} ({played.spread.value[0]:.4f} … {played.spread.value[1]:.4f})")
+    for side, names, shares, ends in (
+        ("prey", played.rows, played.solution.rows, played.spread.rows),
+        ("predators", played.columns, played.solution.columns, played.spread.columns),
+    ):
+        for k in np.argsort(-shares, kind="stable"):
+            if shares[k] >= SHOWN or ends[k, 1] >= 10 * SHOWN:
+                out.print(f"  {side} play {names[k]}: {shares[k]:.1%} ({ends[k, 0]:.1%} … {ends[k, 1]:.1%})")

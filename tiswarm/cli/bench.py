@@ -39,6 +39,8 @@ def bench(
     from tiswarm import designs, sheets, studies, tables
     from tiswarm.cli import charts
     from tiswarm.cli.live import watching
+    from tiswarm.contest import contest
+    from tiswarm.results import write_text
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
@@ -52,10 +54,13 @@ def bench(
     with watching(not quiet, stated.measures) as (report_trials, finished):
         report = studies.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
     sheets.write(report, folder, per_trial, parquet)
-    tables.print_report(report, out)
+    played = contest(report)
+    if played is not None:
+        write_text(folder / "game.json", played.to_json())
+    tables.print_report(report, out, played)
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
-        charts.draw(report, folder)
+        charts.draw(report, folder, played)
     if not quiet:
         runs = sum(row.trials for row in report.rows)
         held = len(report.rows) - report.ran

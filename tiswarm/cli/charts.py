@@ -7,6 +7,7 @@ import numpy as np
 
 from tiswarm.axes import label
 from tiswarm.cli.options import WrongInput
+from tiswarm.contest import SHOWN, Contest
 from tiswarm.designs import Figure
 from tiswarm.registry import nearest
 from tiswarm.report import Report, Row, figures_of
@@ -26,12 +27,14 @@ def chosen(text: str | None) -> tuple[Any, ...] | None:
     return tuple(names)
 
 
-def draw(report: Report, folder: Path) -> None:
-    """Draw what the study asks for, or what its shape suggests."""
+def draw(report: Report, folder: Path, played: Contest | None = None) -> None:
+    """Draw what the study asks for, or what its shape suggests; a game as its pay-off matrix, too."""
     draws = {"bars": _bars, "heat": _heat, "pairs": _pairs, "scatter": _scatter}
     for rows in report.tables:
         for figure in figures_of(report.study):
             draws[figure](report, rows, folder)
+    if played is not None:
+        _game(report, played, folder)
 
 
 def _axis(measure: str) -> str:
@@ -133,3 +136,36 @@ def _correlations(report: Report, folder: Path) -> None:
         )
         path = folder / f"{report.name}-{each.x.rpartition('.')[2]}-{each.y}.png"
         scatter(cloud, path, report.study.title, note, _axis(each.x), _axis(each.y))
+
+
+def _game(report: Report, played: Contest, folder: Path) -> None:
+    """Draw a pay-off matrix: where prey choose two things, these span a panel for each choice of the predators."""
+    from render.charts import Heat, heat
+
+    rules = report.study.game
+    assert rules is not None
+    mean = played.payoff
+    each = [[cell.estimate(played.measure) for cell in cells] for cells in played.cells]
+    away = np.array([[(e.high - e.low) / 2 for e in row] for row in each])
+    framed = np.repeat(played.solution.rows[:, None] >= SHOWN, mean.shape[1], axis=1)
+    head = f"value {played.solution.value:.3f} ({played.spread.value[0]:.3f} to {played.spread.value[1]:.3f})"
+    note = (
+        f"{report.rows[0].trials:,} trials a cell, seed {report.seed}, ± half a 95 % interval; {head}\n"
+        "frame: in the prey's optimal mixture; dot: the prey's best answer"
+    )
+    shares = [
+        f"against {name}, played {share:.0%}" for name, share in zip(played.columns, played.solution.columns, strict=True)
+    ]
+    if len(rules.prey) == 2:
+        points = [cells[0].cell.point for cells in played.cells]
+        names = [list(dict.fromkeys(label(point[key]) for point in points)) for key in rules.prey]
+        shape = tuple(map(len, names))
+        panels = [
+            Heat(shares[c], names[0], names[1], *(of[:, c].reshape(shape) for of in (mean, away, framed, played.best[0])))
+            for c in range(mean.shape[1])
+        ]
+        heads = rules.prey
+    else:
+        panels = [Heat("", played.rows, played.columns, mean, away, framed, played.best[0])]
+        heads = (" / ".join(rules.prey), " / ".join(rules.predators))
+    heat(panels, folder / f"{report.name}-payoff.png", report.study.title, note, _axis(played.measure), heads[0], heads[1])
