@@ -19,6 +19,7 @@ ORDER = [
     "runtime",
     "lanes",
     "rng",
+    "grid",
     "flocking",
     "avoidance",
     "prey",
