@@ -71,8 +71,7 @@ def run_study(
     missing = [cell for cell in found if cell.number not in rows]
 
     def finish(cell: Cell, results: Results) -> None:
-        outcomes = {name: getattr(results, name) for name in OUTCOMES}
-        outcomes |= {name: measured(results, name) for name in study.measures}
+        outcomes = outcomes_of(results, study.measures)
         if ledger:
             ledger.keep(cell, outcomes)
         keep(cell, outcomes)
@@ -110,6 +109,11 @@ def _unmixed(scenario: Scenario) -> tuple[Any, ...]:
     """Give what two scenarios must have in common to share a kernel: all of its structure but the strategies."""
     structure = Structure.of([scenario], scenario.predators.count)
     return tuple(getattr(structure, each.name) for each in fields(structure) if each.name != "parts")
+
+
+def outcomes_of(results: Results, measures: Sequence[str]) -> dict[str, np.ndarray]:
+    """Give what is kept of a cell's trials: name -> [trial]. Errors: ScenarioError for an unknown measure."""
+    return {name: getattr(results, name) for name in OUTCOMES} | {name: measured(results, name) for name in measures}
 
 
 def measured(results: Results, name: str) -> np.ndarray:
