@@ -9,6 +9,8 @@ _HOMES = {
     "poster": "films",
     "sheet": "films",
     "Film": "films",
+    "Field": "world",
+    "Live": "live",
     "FilmError": "encoder",
     "QUALITIES": "encoder",
     "Look": "look",
@@ -21,8 +23,10 @@ __all__ = [
     "OVERLAYS",
     "QUALITIES",
     "THEMES",
+    "Field",
     "Film",
     "FilmError",
+    "Live",
     "Look",
     "Theme",
     "film",
@@ -34,8 +38,10 @@ __all__ = [
 if TYPE_CHECKING:
     from render.encoder import QUALITIES, FilmError
     from render.films import Film, film, frames, poster, sheet
+    from render.live import Live
     from render.look import OVERLAYS, Look
     from render.theme import THEMES, Theme
+    from render.world import Field
 
 
 def __getattr__(name: str) -> Any:

@@ -1,13 +1,15 @@
 """Cameras: maps from metres to pixels, and the people behind them who move them."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from render.layout import Box
+from render.live import Live
 from render.look import Look
 from render.motion import Motion
+from tiswarm.recording import Recording
 
 MARGIN = 0.04
 """Free rim around the world, as a share of the stage's shorter edge."""
@@ -17,6 +19,9 @@ RIM = 0.018
 
 FOLLOWED = 0.5
 """Share of the fitted view that a following camera shows."""
+
+FARTHEST = 0.5
+"""How far from the world agents may start and still be shown [share of the world's size]."""
 
 CALM = 12
 """A following camera's path is smoothed over about this many ticks."""
@@ -29,16 +34,23 @@ PITCH, START, TURN, DISTANCE = 0.42, 0.35, 0.1, 2.6
 class Camera:
     """A flat map from metres, y upwards, to pixels, y downwards.
 
-    centre: the point [m] shown at `middle` [px]; scale: px/m.
+    centre: the point [m] shown at `middle` [px]; scale: px/m. A joint camera has a centre and a middle for each agent,
+    [agent, 2], and maps points of all agents, [..., agent, dim].
     """
 
-    centre: tuple[float, float]
-    middle: tuple[float, float]
+    centre: np.ndarray
+    middle: np.ndarray
     scale: float
+
+    def of(self, agents: np.ndarray) -> "Camera":
+        """Give the camera that maps points of some agents, in their order."""
+        if self.middle.ndim == 1:
+            return self
+        return replace(self, centre=self.centre[agents], middle=self.middle[agents])
 
     def place(self, points: np.ndarray) -> np.ndarray:
         """Map points [..., dim] in metres to pixels [..., 2]."""
-        return np.array(self.middle) + (np.asarray(points, float)[..., :2] - self.centre) * (self.scale, -self.scale)
+        return self.middle + (points[..., :2] - self.centre) * (self.scale, -self.scale)
 
     def turn(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Map directions [..., dim] at points to unit vectors on the screen [..., 2]."""
@@ -61,7 +73,7 @@ class Orbit(Camera):
     def place(self, points: np.ndarray) -> np.ndarray:
         """Map points [..., 3], or points on the ground [..., 2], to pixels [..., 2]."""
         seen = self._seen(points)
-        return np.array(self.middle) + seen[..., :2] * (self.scale, -self.scale) * self._grown(seen)[..., None]
+        return self.middle + seen[..., :2] * (self.scale, -self.scale) * self._grown(seen)[..., None]
 
     def turn(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Map directions to unit vectors on the screen, as perspective shows them."""
@@ -73,7 +85,6 @@ class Orbit(Camera):
         return self._grown(self._seen(points))
 
     def _seen(self, points: np.ndarray) -> np.ndarray:
-        points = np.asarray(points, float)
         if points.shape[-1] == 2:
             points = np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
         return (points - self.pivot) @ self.axes.T
@@ -88,6 +99,14 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
     return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), (1.0, 0.0))
 
 
+def joint(cameras: Sequence[Camera], scene: np.ndarray) -> Camera:
+    """Give one camera for the agents of several scenes that are shown alike, each in its own place. scene: [agent]."""
+    if len(cameras) == 1:
+        return cameras[0]
+    centres, middles = (np.array([getattr(camera, name) for camera in cameras]) for name in ("centre", "middle"))
+    return replace(cameras[0], centre=centres[scene], middle=middles[scene])
+
+
 @dataclass(frozen=True)
 class Operator:
     """Who holds the camera: `at` gives it for a time [ticks]; a still one never moves."""
@@ -98,29 +117,52 @@ class Operator:
 
 @dataclass(frozen=True)
 class View:
-    """What a fitting camera shows [m]: the world, and all that is reached by what moves, which holds the world."""
+    """What a fitting camera shows [m]: the world, and all that is reached by what moves, which holds the world.
+
+    floor, top: the lowest and the highest point of 3-D worlds.
+    """
 
     world: Box
     reach: Box
+    floor: float = 0.0
+    top: float = 0.0
 
 
-def bounds(world: tuple[float, ...], paths: Motion, radius: float, stray: float) -> Box:
-    """Give the box [m] of the world and of everything that moves, `radius` around it.
+def bounds(paths: Motion, scene: int, stray: float) -> Box:
+    """Give the box [m] of a subject's world and of all that moves there.
 
-    Who strays farther from the world than a share `stray` of its size is let go: the rest would become too small to see.
+    Who strays farther from the world than a share `stray` of its size is let go: the rest would become too small to see. Starts
+    are always in it, and are all that is known of a live simulation.
     """
-    size = np.array(world[:2], float)
-    spots = paths.position[..., :2].reshape(-1, 2)
-    low = np.minimum(0, np.nanmin(spots, axis=0) - radius)
-    high = np.maximum(size, np.nanmax(spots, axis=0) + radius)
-    low, high = np.maximum(low, -stray * size), np.minimum(high, (1 + stray) * size)
+    subject = paths.subjects[scene]
+    world, radius = subject.scenario.world, max(subject.scenario.prey.radius, subject.scenario.predators.radius)
+    size = np.array(world.size[:2], float)
+    if world.boundary == "periodic":
+        return Box(0, 0, *world.size[:2])
+    start = paths.spots(0.0)[paths.scene == scene, :2]
+    low, high = np.zeros(2), size
+    if isinstance(subject, Recording):
+        spots = np.concatenate([swarm.position[..., :2].reshape(-1, 2) for swarm in (subject.prey, subject.predators)])
+        low = np.maximum(np.minimum(low, np.nanmin(spots, axis=0) - radius), -stray * size)
+        high = np.minimum(np.maximum(high, np.nanmax(spots, axis=0) + radius), (1 + stray) * size)
+    low = np.maximum(np.minimum(low, np.nanmin(start, axis=0) - radius), -FARTHEST * size)
+    high = np.minimum(np.maximum(high, np.nanmax(start, axis=0) + radius), (1 + FARTHEST) * size)
     return Box(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
-def operator(look: Look, paths: Motion, view: View, stage: Box) -> Operator:
-    """Choose who holds the camera. view: what "fit" shows; stage: where on the screen.
+def heights(subject: Recording | Live) -> tuple[float, float]:
+    """Give the lowest and the highest point of a 3-D world [m]: the world's own, and those of what moves."""
+    low, high = 0.0, float((*subject.scenario.world.size, 0.0)[2])
+    if isinstance(subject, Recording) and subject.dim == 3:
+        levels = np.concatenate([swarm.position[..., 2].ravel() for swarm in (subject.prey, subject.predators)])
+        low, high = min(low, float(np.nanmin(levels))), max(high, float(np.nanmax(levels)))
+    return low, high
 
-    Errors: ValueError when the agent to follow does not exist.
+
+def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> Operator:
+    """Choose who holds the camera on a subject. view: what "fit" shows; stage: where on the screen.
+
+    Errors: ValueError when the agent to follow does not exist, or when a camera would have to look ahead in a live simulation.
     """
     if not isinstance(look.camera, str):
         (x0, y0), (x1, y1) = look.camera
@@ -128,30 +170,42 @@ def operator(look: Look, paths: Motion, view: View, stage: Box) -> Operator:
         held = fitted(View(chosen, chosen), stage)
         return Operator(lambda _: held, still=True)
     kind, _, agent = look.camera.partition(":")
-    if kind == "orbit" or (kind == "fit" and paths.position.shape[2] == 3):
-        return _orbiting(look, paths, view.reach, stage)
+    if kind == "orbit" or (kind == "fit" and paths.dim == 3):
+        return _orbiting(look, view, stage)
     fit = fitted(view, stage)
     if kind == "fit":
         return Operator(lambda _: fit, still=True)
-    if agent and int(agent) >= paths.count:
-        raise ValueError(f"camera: no agent {agent} to follow; use 0 to {paths.count - 1}")
-    way = _calm_path(paths, int(agent) if agent else None)
+    subject = paths.subjects[scene]
+    if not isinstance(subject, Recording):
+        raise ValueError("camera: 'follow' looks ahead, which a live simulation does not let it; record it first, or use fit")
+    count = subject.prey.count + subject.predators.count
+    if agent and int(agent) >= count:
+        raise ValueError(f"camera: no agent {agent} to follow; use 0 to {count - 1}")
+    way = _calm_path(subject, int(agent) if agent else None)
     rows = np.arange(len(way))
+    period = np.array(subject.scenario.world.size[:2]) if subject.scenario.world.boundary == "periodic" else None
 
     def follow(time: float) -> Camera:
-        centre = float(np.interp(time, rows, way[:, 0])), float(np.interp(time, rows, way[:, 1]))
-        return Camera(centre, fit.middle, fit.scale / FOLLOWED)
+        centre = np.array([np.interp(time, rows, way[:, 0]), np.interp(time, rows, way[:, 1])])
+        return Camera(centre if period is None else np.mod(centre, period), fit.middle, fit.scale / FOLLOWED)
 
     return Operator(follow, still=False)
 
 
-def _calm_path(paths: Motion, agent: int | None) -> np.ndarray:
-    """Smooth the path of an agent, or of the centre of the prey that are left: [tick, 2]."""
-    spots = paths.position[:, :, :2]
-    chosen = spots[:, : paths.prey] if agent is None else spots[:, agent : agent + 1]
+def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
+    """Smooth the path of an agent, or of the centre of the prey that are left: [tick, 2]. In a periodic world it goes on."""
+    world = recording.scenario.world
+    chosen = recording.prey.position[..., :2]
+    if agent is not None:
+        chosen = np.concatenate([chosen, recording.predators.position[..., :2]], axis=1)[:, agent : agent + 1]
     there = np.isfinite(chosen[..., :1])
     count = there.sum(axis=1)
-    mean = np.where(there, chosen, 0).sum(axis=1) / np.maximum(count, 1)
+    if world.boundary == "periodic":
+        turn = 2 * np.pi / np.array(world.size[:2])
+        waves = np.where(there, np.exp(1j * np.nan_to_num(chosen) * turn), 0).sum(axis=1)
+        mean = np.unwrap(np.angle(waves), axis=0) / turn
+    else:
+        mean = np.where(there, chosen, 0).sum(axis=1) / np.maximum(count, 1)
     last = np.maximum.accumulate(np.where(count[:, 0] > 0, np.arange(len(mean)), 0))
     way = mean[last]
     weights = np.exp(-0.5 * (np.arange(-2 * CALM, 2 * CALM + 1) / (CALM / 2)) ** 2)
@@ -159,24 +213,24 @@ def _calm_path(paths: Motion, agent: int | None) -> np.ndarray:
     return np.stack([np.convolve(padded[:, n], weights / weights.sum(), mode="valid") for n in range(2)], axis=1)
 
 
-def _orbiting(look: Look, paths: Motion, view: Box, stage: Box) -> Operator:
+def _orbiting(look: Look, view: View, stage: Box) -> Operator:
     """Walk around the world, looking slightly down on it."""
-    heights = paths.position[..., 2] if paths.position.shape[2] == 3 else np.zeros(1)
-    top = float(np.nanmax(heights))
-    bottom = min(float(np.nanmin(heights)), 0.0)
-    pivot = (view.left + view.right) / 2, (view.top + view.bottom) / 2, (top + bottom) / 2
-    sides = np.array([view.width, view.height, top - bottom])
+    reach = view.reach
+    pivot = (reach.left + reach.right) / 2, (reach.top + reach.bottom) / 2, (view.floor + view.top) / 2
+    sides = np.array([reach.width, reach.height, view.top - view.floor])
     away = DISTANCE * float(np.linalg.norm(sides)) / 2
     corners = pivot + sides * [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-    turns = [Orbit((0, 0), (0, 0), 1.0, pivot, _axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
+    none = np.zeros(2)
+    turns = [Orbit(none, none, 1.0, pivot, _axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
     spread = np.concatenate([turn.place(corners) for turn in turns])
     margin = 2 * MARGIN * min(stage.width, stage.height)
     low, high = spread.min(axis=0), spread.max(axis=0)
     scale = float(min((stage.width - margin) / (high[0] - low[0]), (stage.height - margin) / (high[1] - low[1])))
-    middle = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2 - scale * float(low[1] + high[1]) / 2
+    across, up = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2 - scale * float(low[1] + high[1]) / 2
+    middle = np.array([across, up])
 
     def orbit(time: float) -> Camera:
-        return Orbit((0, 0), middle, scale, pivot, _axes(START + time / look.speed * TURN), away)
+        return Orbit(none, middle, scale, pivot, _axes(START + time / look.speed * TURN), away)
 
     return Operator(orbit, still=False)
 
@@ -196,7 +250,7 @@ def fitted(view: View, stage: Box) -> Camera:
     scale = min(_largest(*across, pads, stage.width), _largest(*up, pads, stage.height))
     x, y = _placed(*across, pads, stage.width, scale), _placed(*up, pads, stage.height, scale)
     centre = (view.world.left + view.world.right) / 2, (view.world.top + view.world.bottom) / 2
-    return Camera(centre, (stage.left + x, stage.bottom - y), scale)
+    return Camera(np.array(centre), np.array((stage.left + x, stage.bottom - y)), scale)
 
 
 Ends = tuple[float, float]

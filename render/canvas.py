@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from render.raster import AREA, CHUNKS, CONSTANTS, LANES, PLANES, TILE, paint
-from render.shapes import BOUNDS, COLUMNS, Colour, clipped
+from render.plate import Plate
+from render.raster import AREA, CHUNKS, CONSTANTS, HEAD, LANES, LAY, OVER, PLANES, TILE, WHOLE, paint
+from render.shapes import COLUMNS, Colour
 from render.text import Atlas
 from tiswarm import runtime
 
@@ -23,32 +24,44 @@ class Canvas:
         self.yuv = yuv
         self._atlas = atlas
         self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
-        self._bins = np.zeros(2 * self._tiles, np.int32)
+        self._bins = np.zeros(HEAD + 2 * self._tiles, np.int32)
         self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
         self._lanes = runtime.aligned((CONSTANTS + CHUNKS * PLANES * AREA, LANES), np.float32)
         self._lanes[0] = np.arange(LANES)
         self._lanes[1:CONSTANTS] = _bayer(4).reshape(AREA, LANES)
-        self._ground = self.blank()
-        self._frame = np.array([0, 0, *size], np.float32)
+        self._frame = np.array([[0, 0, *size]], np.float32)
+        self._empty = np.zeros((1, COLUMNS), np.float32)
+        self._grounds = 0
 
-    def blank(self) -> np.ndarray:
+    def blank(self) -> Plate:
         """Allocate the bytes of one frame."""
         pixels = self.width * self.height
-        return np.zeros(pixels * 3 // 2 if self.yuv else pixels * 3, np.uint8)
+        return Plate(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
 
     def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
         """Make the ground that frames start from: a colour (linear light) and shapes that stand still.
 
-        windows: [shape, 4], what each shape is cut to: x0, y0, x1, y1 [px].
+        windows: [window, 4], what shapes are cut to, by the number that each names: x0, y0, x1, y1 [px]; the frame when None.
         """
-        self._light.reshape(self._tiles, 3, -1)[:] = np.reshape(colour, (3, 1))
-        self._run(shapes, windows, self._ground, laying=True)
+        self._grounds += 1
+        self._run(LAY, shapes, windows, self.blank(), colour)
 
-    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: np.ndarray) -> np.ndarray:
-        """Draw shapes over the ground into the bytes of a frame, which `blank` allocated; return them. windows: as in `lay`."""
-        np.copyto(out, self._ground)
-        self._run(shapes, windows, out, laying=False)
-        return out
+    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+        """Draw shapes over the ground on a plate that `blank` allocated; return its bytes. windows: as in `lay`.
+
+        Only what differs from what the plate shows is painted: a plate that is used again is faster than a new one.
+        """
+        if out.ground != self._grounds:
+            out.touched[:] = 1
+        self._run(OVER, shapes, windows, out, (0.0, 0.0, 0.0))
+        out.ground = self._grounds
+        return out.bytes
+
+    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+        """Draw all anew, a colour and shapes over it, where no ground stands still; return the plate's bytes."""
+        self._run(WHOLE, shapes, windows, out, colour)
+        out.ground = -1
+        return out.bytes
 
     def light(self) -> np.ndarray:
         """Give the ground in linear light: [y, x, channel]."""
@@ -56,31 +69,19 @@ class Canvas:
         tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
         return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
 
-    def _run(self, shapes: np.ndarray, windows: np.ndarray | None, out: np.ndarray, *, laying: bool) -> None:
-        shapes = clipped(shapes, self._frame if windows is None else windows)
-        boxes = shapes[:, BOUNDS : BOUNDS + 4].astype(np.int32)
-        spans = (boxes[:, 2:] - 1) // TILE - boxes[:, :2] // TILE + 1
-        room = self._tiles + 2 + int((spans[:, 0] * spans[:, 1]).sum())
-        if room > self._bins.size:
-            self._bins = np.zeros(room * 3 // 2, np.int32)
-        count = len(shapes)
-        if not count:  # an empty array is no kernel argument
-            shapes = np.zeros((1, COLUMNS), np.float32)
-        numbers = self._lanes.reshape(-1)
-        paint(
-            shapes,
-            count,
-            self._atlas.ink,
-            self._bins,
-            self._light,
-            self._lanes,
-            numbers,
-            out,
-            self.width,
-            self.height,
-            int(laying),
-            self.yuv,
-        )
+    def _run(self, mode: int, shapes: np.ndarray, windows: np.ndarray | None, out: Plate, colour: Colour) -> None:
+        windows = self._frame if windows is None else windows
+        count, rows = len(shapes), shapes if len(shapes) else self._empty  # an empty array is no kernel argument
+        edges = np.concatenate([windows, [[*colour, 0]]], dtype=np.float32)
+        while True:
+            room = len(self._bins) - HEAD - self._tiles - 1
+            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
+            numbers = self._lanes.reshape(-1)
+            paint(rows, edges, self._atlas.ink, self._bins, self._light, self._lanes, numbers, out.whole, self.yuv)
+            needed = int(self._bins[HEAD + self._tiles])
+            if needed <= room:
+                return
+            self._bins = np.zeros(HEAD + self._tiles + 1 + needed * 3 // 2, np.int32)
 
 
 def _bayer(order: int) -> np.ndarray:

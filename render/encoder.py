@@ -11,14 +11,13 @@ import signal
 import subprocess
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-import numpy as np
-
+from render.plate import Plate
 from tiswarm.files import replacing
 
 QUEUE = 4
@@ -93,19 +92,19 @@ class FilmError(RuntimeError):
 class Reel:
     """The way of frames to the encoder: blank buffers out, drawn ones in."""
 
-    def __init__(self, length: int):
-        """Allocate the few buffers that go round, of `length` bytes."""
+    def __init__(self, blank: Callable[[], Plate]):
+        """Allocate the few plates that go round."""
         self.broken = False
-        self._drawn: queue.SimpleQueue[np.ndarray | None] = queue.SimpleQueue()
-        self._spare: queue.SimpleQueue[np.ndarray] = queue.SimpleQueue()
+        self._drawn: queue.SimpleQueue[Plate | None] = queue.SimpleQueue()
+        self._spare: queue.SimpleQueue[Plate] = queue.SimpleQueue()
         for _ in range(QUEUE):
-            self._spare.put(np.zeros(length, np.uint8))
+            self._spare.put(blank())
 
-    def blank(self) -> np.ndarray:
-        """Take a buffer to draw in; wait for one while the encoder is behind."""
+    def blank(self) -> Plate:
+        """Take a plate to draw on; wait for one while the encoder is behind."""
         return self._spare.get()
 
-    def put(self, frame: np.ndarray) -> None:
+    def put(self, frame: Plate) -> None:
         """Hand a drawn frame to the encoder."""
         if self.broken:
             raise _Stopped
@@ -122,7 +121,7 @@ class Reel:
 
             fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
         while (frame := self._drawn.get()) is not None:
-            rest = frame.data
+            rest = frame.bytes.data
             try:
                 while rest and not self.broken:
                     rest = rest[pipe.write(rest) :]
@@ -138,8 +137,12 @@ class _Stopped(Exception):
 
 
 @contextmanager
-def encoder(path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str]) -> Iterator[Reel]:
-    """Run an encoder that writes `path`; nothing is left under that name unless the whole film was written.
+def encoder(
+    path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str], blank: Callable[[], Plate]
+) -> Iterator[Reel]:
+    """Run an encoder that writes `path`, fed with plates that `blank` allocates.
+
+    Nothing is left under that name unless the whole film was written.
 
     Errors: FilmError, which gives the encoder's reason.
     """
@@ -158,7 +161,7 @@ def encoder(path: Path, size: tuple[int, int], fps: int, form: Format, notes: di
             )
         except OSError as error:
             raise FilmError(f"{path}: cannot be written: {error.strerror or error}") from None
-        reel = Reel(size[0] * size[1] * 3 // (2 if form.yuv else 1))
+        reel = Reel(blank)
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()
         try:

@@ -3,101 +3,106 @@
 import numpy as np
 
 from render.camera import Camera
-from render.motion import Motion
+from render.live import target_of
+from render.motion import ARRIVED, CAPTURED, CRASHED, Motion
 from render.now import Now
-from render.shapes import NONE, capsules, discs, rings
+from render.shapes import NONE, WINDOW, capsules, discs, rings
 from render.theme import Theme
-from tiswarm.recording import Recording
 
 FLASH = 0.7
 """How long a death or an arrival shines [s of film]."""
 
 
 class Fates:
-    """What became of the agents of one recording."""
+    """What became of the agents."""
 
-    def __init__(self, recording: Recording, paths: Motion, theme: Theme, unit: float, speed: float):
-        """Take note of who went when. unit: pixels per unit of type; speed: ticks per second of film."""
-        self._target = recording.scenario.target
-        self._theme, self._unit, self._speed = theme, unit, speed
-        self._fated = {
-            (fate, prey): np.flatnonzero((paths.fate == fate) & (paths.is_prey == prey) & np.isfinite(paths.end))
-            for fate in ("arrived", "captured", "crashed")
-            for prey in (True, False)
-        }
-        self._ends = paths.end
+    def __init__(self, paths: Motion, theme: Theme, unit: float, speed: float):
+        """Prepare. unit: pixels per unit of type; speed: ticks per second of film."""
+        self._paths, self._theme, self._unit, self._speed = paths, theme, unit, speed
+        targets = [target_of(subject) for subject in paths.subjects]
+        self._targets = np.array([(*target.position[:2], target.radius) if target else (0, 0, 0) for target in targets])
+        self._depths = [target.position[2:] if target else () for target in targets]
         self._marked: tuple[Camera | None, int, np.ndarray] = (None, 0, NONE)  # marks change seldom under a still camera
-
-    def over(self, ticks: int) -> float:
-        """Give when the last flash of a recording of so many ticks has faded [ticks]."""
-        return ticks + 2 * FLASH * self._speed
 
     def marks(self, now: Now, camera: Camera) -> np.ndarray:
         """Mark where prey died: a cross for a crash, a ring for a capture."""
-        left = int(np.count_nonzero(now.seen))
-        if self._marked[0] is not camera or self._marked[1] != left:
-            self._marked = camera, left, self._marks(now)
+        gone = int(np.count_nonzero(self._paths.end <= now.time))
+        if self._marked[0] is not camera or self._marked[1] != gone:
+            self._marked = camera, gone, self._marks(now, camera)
         return self._marked[2]
 
-    def _marks(self, now: Now) -> np.ndarray:
-        theme, unit, rows = self._theme, self._unit, [NONE]
-        caught, _ = self._gone(now, "captured", True)
-        crashed, _ = self._gone(now, "crashed", True)
-        if len(caught):
-            rows.append(rings(caught, 3.4 * unit, 1.6 * unit, theme["captured"], 0.6))
-        if len(crashed):
-            arms, half = 3.6 * unit * np.array([[1, 1], [1, -1]]), 0.8 * unit
-            rows += [capsules(crashed - arm, crashed + arm, half, half, theme["crashed"], 0.6) for arm in arms]
-        return np.concatenate(rows)
+    def _marks(self, now: Now, camera: Camera) -> np.ndarray:
+        theme, unit = self._theme, self._unit
+        (caught, taken, _), (crashed, broken, _) = (self._gone(now, camera, fate, True) for fate in (CAPTURED, CRASHED))
+        arms, half = 3.6 * unit * np.array([[1, 1], [1, -1]]), 0.8 * unit
+        crosses = [capsules(broken - arm, broken + arm, half, half, theme["crashed"], 0.6) for arm in arms]
+        return np.concatenate(
+            [
+                self._cut(rings(taken, 3.4 * unit, 1.6 * unit, theme["captured"], 0.6), caught),
+                *(self._cut(arm, crashed) for arm in crosses),
+            ]
+        )
 
     def pulses(self, now: Now, camera: Camera) -> np.ndarray:
         """Let the target's ring swell, once for each arrival."""
-        _, age = self._gone(now, "arrived", True, 2 * FLASH)
-        if not len(age):
+        agents, _, age = self._gone(now, camera, ARRIVED, True, 2 * FLASH)
+        if not len(agents):
             return NONE
         phase = age / (2 * FLASH)
-        centre = np.repeat(camera.place(np.array([self._target.position])), len(phase), axis=0)
-        radius, hue = self._target.radius * camera.scale, self._theme["arrived"]
+        targets = self._targets[self._paths.scene[agents]]
+        own = camera.of(agents)
+        depth = np.array([self._depths[scene] for scene in self._paths.scene[agents]]).reshape(len(agents), -1)
+        spots = np.concatenate([targets[:, :2], depth], axis=1)
+        centre, radius, hue = own.place(spots), targets[:, 2] * camera.scale * own.nearness(spots), self._theme["arrived"]
         swell = radius * (1 + 0.7 * (1 - (1 - phase) ** 2))
         ring = rings(centre, swell, 3.0 * self._unit * (1 - phase), hue, 0.8 * (1 - phase))
-        return np.concatenate([ring, discs(centre, radius * 0.8, hue, 0.35 * (1 - phase) ** 2, soft=radius * 0.6)])
+        glow = discs(centre, radius * 0.8, hue, 0.35 * (1 - phase) ** 2, soft=radius * 0.6)
+        return np.concatenate([self._cut(ring, agents), self._cut(glow, agents)])
 
-    def flashes(self, now: Now) -> np.ndarray:
+    def flashes(self, now: Now, camera: Camera) -> np.ndarray:
         """Flash where agents die: two rings for a capture, a star of sparks for a crash; a soft glow where one arrives."""
+        if not (now.time - self._paths.end < FLASH * self._speed)[self._paths.end <= now.time].any():
+            return NONE
         theme, unit, rows = self._theme, self._unit, [NONE]
         for prey in (False, True):
-            place, age = self._gone(now, "crashed", prey, FLASH)
-            if len(age):
-                rows += self._sparks(place, age / FLASH, unit * (1.0 if prey else 0.6))
-        for fate in ("captured", "arrived"):
-            place, age = self._gone(now, fate, True, FLASH)
-            if not len(age):
+            agents, place, age = self._gone(now, camera, CRASHED, prey, FLASH)
+            if len(agents):
+                rows += self._sparks(agents, place, age / FLASH, unit * (1.0 if prey else 0.6))
+        for fate, hue in ((CAPTURED, theme["captured"]), (ARRIVED, theme["arrived"])):
+            agents, place, age = self._gone(now, camera, fate, True, FLASH)
+            if not len(agents):
                 continue
             left = 1 - age / FLASH
             ease = 1 - left**3
-            rows.append(discs(place, unit * (4 + 9 * ease), theme[fate], 0.75 * left**2, soft=unit * 12))
-            if fate == "captured":
-                rows.append(rings(place, unit * (6 + 26 * ease), unit * 3.2 * left, theme[fate], left))
-                rows.append(rings(place, unit * (3 + 15 * ease), unit * 2.0 * left, theme["ink"], 0.8 * left))
+            own = [discs(place, unit * (4 + 9 * ease), hue, 0.75 * left**2, soft=unit * 12)]
+            if fate == CAPTURED:
+                own.append(rings(place, unit * (6 + 26 * ease), unit * 3.2 * left, hue, left))
+                own.append(rings(place, unit * (3 + 15 * ease), unit * 2.0 * left, theme["ink"], 0.8 * left))
+            rows += [self._cut(each, agents) for each in own]
         return np.concatenate(rows)
 
-    def _gone(self, now: Now, fate: str, prey: bool, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-        """Give where agents of a fate went, and how long ago [s of film], if less than `within`."""
-        fated = self._fated[fate, prey]
-        age = (now.time - self._ends[fated]) / self._speed
-        chosen = (age >= 0) & (age < within)
-        return now.centre[fated[chosen]], age[chosen]
+    def _gone(
+        self, now: Now, camera: Camera, fate: int, prey: bool, within: float = np.inf
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Give the agents of a fate, where on the screen they went, and how long ago [s of film], if less than `within`."""
+        paths = self._paths
+        age = (now.time - paths.end) / self._speed
+        agents = np.flatnonzero((age >= 0) & (age < within) & (paths.fate == fate) & (paths.is_prey == prey))
+        return agents, camera.of(agents).place(now.spot[agents]), age[agents]
 
-    def _sparks(self, place: np.ndarray, phase: np.ndarray, size: float) -> list[np.ndarray]:
+    def _cut(self, rows: np.ndarray, agents: np.ndarray) -> np.ndarray:
+        """Cut shapes to the windows of their agents' scenes."""
+        rows[:, WINDOW] = self._paths.scene[agents]
+        return rows
+
+    def _sparks(self, agents: np.ndarray, place: np.ndarray, phase: np.ndarray, size: float) -> list[np.ndarray]:
         """Throw eight sparks from each place."""
         hue = self._theme["crashed"]
         angle = np.arange(8) * (np.pi / 4) + np.pi / 8
         ray = np.tile(np.stack([np.cos(angle), np.sin(angle)], axis=1), (len(place), 1)) * size
         glow = discs(place, 7 * size, hue, 0.7 * (1 - phase) ** 2, soft=9 * size)
-        centre, phase = np.repeat(place, 8, axis=0), np.repeat(phase, 8)
-        ease = (1 - (1 - phase) ** 3)[:, None]
-        half = np.maximum(1.3 * size * (1 - phase), 0.2)
-        return [
-            glow,
-            capsules(centre + ray * (4 + 10 * ease), centre + ray * (6 + 19 * ease), half, 0.4 * half, hue, 1 - phase),
-        ]
+        centre, late = np.repeat(place, 8, axis=0), np.repeat(phase, 8)
+        ease = (1 - (1 - late) ** 3)[:, None]
+        half = np.maximum(1.3 * size * (1 - late), 0.2)
+        tips = capsules(centre + ray * (4 + 10 * ease), centre + ray * (6 + 19 * ease), half, 0.4 * half, hue, 1 - late)
+        return [self._cut(glow, agents), self._cut(tips, np.repeat(agents, 8))]

@@ -1,7 +1,8 @@
 """Figures: plots of studies and results, for papers and pages. Needs matplotlib (pip install "tiswarm[plot]")."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ import numpy as np
 OURS = "#0072B2"  # Okabe-Ito blue and vermilion: apart for every kind of colour vision, and in grey
 PUBLISHED = "#D55E00"
 INK = "#333333"
+FAINT = "#8A8A8A"
+GRID = "#DDDDDD"
+DPI = 160
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,23 @@ def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str 
 
     Errors: ModuleNotFoundError when matplotlib is not installed.
     """
+    width = max(4.1, 0.9 + 0.3 * max(len(panel.names) for panel in panels))
+    with sheet(1, len(panels), (width * len(panels), 3.9), path, title, note) as (figure, axes):
+        for axis, panel in zip(axes[0], panels, strict=True):
+            _draw(axis, panel)
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    return Path(path)
+
+
+@contextmanager
+def sheet(
+    rows: int, columns: int, size: tuple[float, float], path: str | os.PathLike, title: str, note: str = ""
+) -> Iterator[tuple[Any, Any]]:
+    """Give a figure and its axes, [row, column], and write it as a PNG at the end; it appears whole or not at all.
+
+    size: width and height [inches].
+    """
     import matplotlib as mpl
 
     from tiswarm.files import replacing
@@ -48,16 +69,14 @@ def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str 
         "ytick.color": INK,
     }
     with plt.rc_context(style):
-        figure, axes = plt.subplots(1, len(panels), figsize=(4.1 * len(panels), 3.9), squeeze=False, layout="constrained")
-        for axis, panel in zip(axes[0], panels, strict=True):
-            _draw(axis, panel)
-        handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
-        figure.suptitle(f"{title}\n{note}" if note else title, fontsize=11)
-        with replacing(Path(path)) as part:
-            figure.savefig(part, dpi=160, format="png")
-        plt.close(figure)
-    return Path(path)
+        figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
+        try:
+            yield figure, axes
+            figure.suptitle(f"{title}\n{note}" if note else title, fontsize=11)
+            with replacing(Path(path)) as part:
+                figure.savefig(part, dpi=DPI, format="png")
+        finally:
+            plt.close(figure)
 
 
 def _draw(axis, panel: Bars) -> None:
@@ -80,6 +99,6 @@ def _draw(axis, panel: Bars) -> None:
     axis.set_ylabel(panel.axis)
     axis.set_title(panel.title, fontsize=10)
     axis.spines[["top", "right"]].set_visible(False)
-    axis.yaxis.grid(True, color="#DDDDDD", linewidth=0.7)
+    axis.yaxis.grid(True, color=GRID, linewidth=0.7)
     axis.set_axisbelow(True)
     axis.set_ylim(bottom=0)

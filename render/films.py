@@ -12,9 +12,9 @@ import numpy as np
 from render.encoder import FilmError, encoder, format_of
 from render.look import look_of
 from render.stage import Stage, Subject
+from render.world import Field
 from tiswarm import __version__
 from tiswarm.files import replacing
-from tiswarm.recording import Recording
 
 Progress = Callable[[int, int], None]
 
@@ -49,15 +49,18 @@ def film(
     *,
     quality: str = "good",
     labels: Sequence[str] | None = None,
+    field: Field | None = None,
     progress: Progress | None = None,
     **look: Any,
 ) -> Film:
-    """Film a recording, or several side by side.
+    """Film a recording or a live simulation, or several side by side.
+
+    A live simulation (see `render.live.Live`) runs while it is filmed and is not kept: memory does not grow with its length.
 
     path: its suffix chooses the format: .mp4 (H.264), .webm (VP9), .gif, or none for a folder of PNG frames.
     size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF.
     quality: "draft", "good" or "best".
-    labels: names of several recordings, by default what tells them apart.
+    labels: names of several recordings, by default what tells them apart. field: arrows to draw on the ground.
     progress: called with frames done and frames in all.
     look: theme, speed, trail, camera, overlay, slow: see Look.
 
@@ -70,25 +73,34 @@ def film(
     if not 1 <= fps <= form.fastest:
         raise ValueError(f"fps: {fps} is not possible; use 1 to {form.fastest}")
     checked_size(size, even=form.yuv)
-    stage = Stage(subject, size, look_of(look), yuv=form.yuv, labels=labels)
-    moments = stage.times(fps)
-    with encoder(target, size, fps, form, _notes(stage)) as reel:
-        for n, time in enumerate(moments):
-            reel.put(stage.frame(time, reel.blank()))
+    stage = Stage(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
+    done, total = 0, stage.length(fps)
+    with encoder(target, size, fps, form, _notes(stage), stage.canvas.blank) as reel:
+        for time in stage.times(fps):
+            plate = reel.blank()
+            stage.frame(time, plate)
+            reel.put(plate)
+            done += 1
             if progress:
-                progress(n + 1, len(moments))
-    return Film(target, size, fps, len(moments))
+                progress(done, total)
+    return Film(target, size, fps, done)
 
 
 def frames(
-    subject: Subject, size: tuple[int, int] = (1280, 720), fps: int = 60, *, labels: Sequence[str] | None = None, **look: Any
+    subject: Subject,
+    size: tuple[int, int] = (1280, 720),
+    fps: int = 60,
+    *,
+    labels: Sequence[str] | None = None,
+    field: Field | None = None,
+    **look: Any,
 ) -> Iterator[np.ndarray]:
     """Yield a film's frames, one after the other: [y, x, channel] of uint8, each an array of its own.
 
     Errors: ValueError or TypeError for a choice that is not possible, at once.
     """
     checked_size(size, even=False)
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
     return (_image(stage, time, size) for time in stage.times(fps))
 
 
@@ -99,14 +111,17 @@ def poster(
     *,
     time: float | None = None,
     labels: Sequence[str] | None = None,
+    field: Field | None = None,
     **look: Any,
 ) -> Path:
-    """Write one frame as an image; the path's suffix chooses the format. time [ticks]: by default the liveliest.
+    """Write one frame as an image; the path's suffix chooses the format. time [ticks]: by default a recording's liveliest.
 
     Errors: as `film`.
     """
     checked_size(size, even=False)
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    if time is None and stage.is_live:
+        raise ValueError("time: say at which tick; a live simulation does not know its liveliest moment beforehand")
     return _save(_image(stage, liveliest(stage) if time is None else time, size), Path(path))
 
 
@@ -117,6 +132,7 @@ def sheet(
     *,
     shape: tuple[int, int] = (3, 4),
     labels: Sequence[str] | None = None,
+    field: Field | None = None,
     **look: Any,
 ) -> Path:
     """Write a contact sheet: `shape` = columns and rows of frames of `size`, evenly spread from the first to the last tick.
@@ -127,11 +143,11 @@ def sheet(
     columns, rows = shape
     if columns < 1 or rows < 1:
         raise ValueError(f"shape: {columns}x{rows} is not possible; use 1 or more columns and rows")
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels)
-    last = max(scene.paths.ticks for scene in stage.scenes)
+    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    last = stage.scene.paths.last
     gap = max(min(size) // 40, 2)
     paper = np.empty((rows * (size[1] + gap) + gap, columns * (size[0] + gap) + gap, 3), np.uint8)
-    paper[:] = [int(stage.scenes[0].theme.line[n : n + 2], 16) // 4 for n in (1, 3, 5)]
+    paper[:] = [int(stage.scene.theme.line[n : n + 2], 16) // 4 for n in (1, 3, 5)]
     for n, time in enumerate(np.linspace(0, last, columns * rows)):
         top, left = gap + n // columns * (size[1] + gap), gap + n % columns * (size[0] + gap)
         paper[top : top + size[1], left : left + size[0]] = _image(stage, float(time), size)
@@ -140,16 +156,16 @@ def sheet(
 
 def liveliest(stage: Stage) -> float:
     """Find the time [ticks] at which most has happened lately while most agents are still there."""
-    scores = []
-    last = max(scene.paths.ticks for scene in stage.scenes)
-    moments = np.arange(last + 1)
-    for scene in stage.scenes:
-        paths = scene.paths
-        since = moments[:, None] - paths.end
-        events = ((since >= 0) * np.exp(-np.maximum(since, 0) / 6) * np.where(paths.is_prey, 2.0, 0.7)).sum(axis=1)
-        left = (moments[:, None] < paths.end).mean(axis=1)
-        scores.append((0.2 + events) * left)
-    return float(moments[np.sum(scores, axis=0).argmax()]) + 0.5
+    paths = stage.scene.paths
+    paths.reach(paths.last)  # from there all ends are known
+    moments = np.arange(paths.last + 1)
+    scores = np.zeros(len(moments))
+    for scene in range(len(stage.boxes)):
+        mine = paths.scene == scene
+        since = moments[:, None] - paths.end[mine]
+        events = ((since >= 0) * np.exp(-np.maximum(since, 0) / 6) * np.where(paths.is_prey[mine], 2.0, 0.7)).sum(axis=1)
+        scores += (0.2 + events) * (since < 0).mean(axis=1)
+    return float(moments[scores.argmax()]) + 0.5
 
 
 def checked_size(size: tuple[int, int], *, even: bool) -> None:
@@ -178,7 +194,7 @@ def _save(image: np.ndarray, path: Path) -> Path:
 
 def _notes(stage: Stage) -> dict[str, str]:
     """Say in the film's metadata where it comes from."""
-    recordings: list[Recording] = [scene.recording for scene in stage.scenes]
+    recordings = stage.scene.subjects
     first = recordings[0]
     parts = {
         "preset": ", ".join(dict.fromkeys(each.scenario.preset or "none" for each in recordings)),

@@ -9,47 +9,59 @@ from tiswarm.recording import Recording, Swarm
 
 
 class Moment(Protocol):
-    """The prey or the predators at one tick. The arrays may be written over when the next tick is asked for.
-
-    position, velocity: [agent, dim], m and m/s; NaN once the agent is gone.
-    fate: [agent], what became of it up to this tick. state, group: [agent], as in a recording.
-    """
+    """The prey or the predators at one tick. The arrays may be written over when the next tick is asked for."""
 
     @property
-    def position(self) -> np.ndarray: ...
+    def position(self) -> np.ndarray:
+        """Say where they are: [agent, dim], m; NaN once an agent is gone."""
+
     @property
-    def velocity(self) -> np.ndarray: ...
+    def velocity(self) -> np.ndarray:
+        """Say how they move: [agent, dim], m/s."""
+
     @property
-    def fate(self) -> np.ndarray: ...
+    def fate(self) -> np.ndarray:
+        """Name what became of each up to this tick: [agent], one of recording.FATES."""
+
     @property
-    def state(self) -> np.ndarray: ...
+    def state(self) -> np.ndarray:
+        """Name each one's state, as in a recording: [agent]."""
+
     @property
-    def group(self) -> np.ndarray: ...
+    def group(self) -> np.ndarray:
+        """Number each one's sub-swarm, or the cluster that a predator chases: [agent], -1 for none."""
 
 
 @runtime_checkable
 class Live(Protocol):
-    """A simulation that can be filmed while it runs; no tick is kept longer than its trails last.
-
-    scenario, seed, trial, obstacle_position, obstacle_radius: as in a recording.
-    ticks: how many it runs at most.
-
-    Iterating runs it: prey and predators at the start, then after each tick; it may end before `ticks`.
-    """
+    """A simulation that can be filmed while it runs; no tick is kept longer than its trails last."""
 
     @property
-    def scenario(self) -> Any: ...
+    def scenario(self) -> Any:
+        """Give the scenario that runs."""
+
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """Give the seed."""
+
     @property
-    def trial(self) -> int: ...
+    def trial(self) -> int:
+        """Give the number of the trial."""
+
     @property
-    def ticks(self) -> int: ...
+    def ticks(self) -> int:
+        """Say how many ticks it runs at most."""
+
     @property
-    def obstacle_position(self) -> np.ndarray: ...
+    def obstacle_position(self) -> np.ndarray:
+        """Give the obstacles' centres: [obstacle, dim], m."""
+
     @property
-    def obstacle_radius(self) -> np.ndarray: ...
-    def __iter__(self) -> Iterator[tuple[Moment, Moment]]: ...
+    def obstacle_radius(self) -> np.ndarray:
+        """Give their radii: [obstacle], m."""
+
+    def __iter__(self) -> Iterator[tuple[Moment, Moment]]:
+        """Run it, once: give prey and predators at the start, then after each tick; it may end before `ticks`."""
 
 
 def played(subject: "Recording | Live") -> Iterator[tuple[Moment, Moment]]:
@@ -65,3 +77,9 @@ def _replayed(recording: Recording) -> Iterator[tuple[Moment, Moment]]:
 def _at(swarm: Swarm, tick: int) -> Swarm:
     """Cut one tick out of a swarm's path. Fates are final, which matters for nobody who is still there."""
     return Swarm(swarm.position[tick], swarm.velocity[tick], swarm.fate, swarm.state[tick], swarm.group[tick])
+
+
+def target_of(subject: "Recording | Live") -> Any:
+    """Give the target that prey want to reach, or None."""
+    target = subject.scenario.target
+    return target if target.present else None

@@ -4,24 +4,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from render.caption import Caption
 from render.layout import Box
-from render.motion import Motion
+from render.live import Live, target_of
+from render.motion import ARRIVED, CAPTURED
 from render.scene import Scene
 from render.shapes import NONE, Colour, boxes, colour, discs
 from render.text import Atlas, width, wrapped
-from render.theme import Theme
-from tiswarm.recording import Recording
+from tiswarm.recording import FATES, Recording
 
-EDGE, HEAD, FOOT, LABEL, GAP = 28, 62, 40, 28, 14
+EDGE, HEAD, FOOT, LABEL, GAP = 28, 62, 40, 28, 4
 """Rims of the frame, and room for labels [units of type]."""
 
 PIPS = 12
 """More prey than this are counted in words instead of dots."""
 
-FATES = ("alive", "arrived", "captured", "crashed")
+RANKS = ("arrived", "alive", "captured", "crashed")
+"""The order of the dots, from the right."""
 
 
-def labels_of(recordings: Sequence[Recording]) -> list[str]:
+def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
     """Name recordings by what tells them apart: strategies, else seed and trial."""
     ways = [
         (r.scenario.prey.strategy, r.scenario.prey.avoidance, r.scenario.predators.strategy, r.scenario.predators.avoidance)
@@ -57,93 +59,76 @@ def _scale(cell: Box, extent: tuple[float, float]) -> float:
     return min(cell.width / extent[0], cell.height / extent[1])
 
 
-class Mosaic:
-    """The captions of several recordings."""
+class Mosaic(Caption):
+    """The captions of several subjects."""
 
     def __init__(
-        self,
-        scenes: Sequence[Scene],
-        places: Sequence[Box],
-        labels: Sequence[str],
-        size: tuple[int, int],
-        atlas: Atlas,
-        unit: float,
+        self, scene: Scene, places: Sequence[Box], labels: Sequence[str], size: tuple[int, int], atlas: Atlas, unit: float
     ):
-        """Caption scenes in their places."""
-        self._scenes, self._places, self._labels = scenes, places, labels
-        self._size, self._atlas, self._unit = size, atlas, unit
-        self._theme: Theme = scenes[0].theme
-        self._tallies: dict[int, tuple[int, np.ndarray]] = {}  # counts change seldom: their shapes are kept until they do
-        self._ticks = max(scene.paths.ticks for scene in scenes)
+        """Caption the subjects of a scene in their places."""
+        super().__init__(scene, atlas, unit)
+        self._places, self._labels, self._size = places, labels, size
+        paths = scene.paths
+        self._prey = [np.flatnonzero(paths.is_prey & (paths.scene == n)) for n in range(len(places))]
+        self._tallies = [NONE] * len(places)  # counts change seldom: their shapes are kept until they do
+        self._gone = np.full(len(places), -1)
 
     def ground(self) -> np.ndarray:
         """Draw what stands still: title, labels, the track of the progress line."""
-        unit, recording = self._unit, self._scenes[0].recording
+        unit, subjects = self._unit, self._scene.subjects
         left, right = EDGE * unit, self._size[0] - EDGE * unit
         clock = 150 * unit
-        title = wrapped(recording.scenario.title, self._px(20), int(right - left - clock), 1)[0]
-        shared = len({scene.recording.trial for scene in self._scenes}) == 1
-        note = (
-            f"trial {recording.trial} · seed {recording.seed}"
-            if shared
-            else f"{len(self._scenes)} trials · seed {recording.seed}"
-        )
+        title = wrapped(subjects[0].scenario.title, self._px(20), int(right - left - clock), 1)[0]
+        shared = len({subject.trial for subject in subjects}) == 1
+        trials = f"trial {subjects[0].trial}" if shared else f"{len(subjects)} trials"
+        note = f"{trials} · seed {subjects[0].seed}"
         rows = [
             self._write(title, left, 34 * unit, 20, "ink"),
             self._write(note, left, 54 * unit, 12, "quiet"),
             self._progress(1.0, self._theme["line"], 0.25),
         ]
-        for label, place, scene in zip(self._labels, self._places, self._scenes, strict=True):
-            name = wrapped(label, self._px(13), int(place.width - self._tally_width(scene.paths)), 1)[0]
+        for label, place, prey in zip(self._labels, self._places, self._prey, strict=True):
+            name = wrapped(label, self._px(13), int(place.width - self._tally_width(len(prey))), 1)[0]
             rows.append(self._write(name, place.left, place.top - 9 * unit, 13, "ink"))
         return np.concatenate(rows)
 
     def frame(self, time: float) -> np.ndarray:
         """Draw what changes: clock, progress, fates."""
-        unit, now = self._unit, min(time, self._ticks)
-        right = self._size[0] - EDGE * unit
-        digits = f"{now * self._scenes[0].recording.scenario.world.dt:.1f}"
+        unit, ticks = self._unit, self._scene.paths.last
+        now, right = min(time, ticks), self._size[0] - EDGE * self._unit
+        digits = f"{now * self._scene.subjects[0].scenario.world.dt:.1f}"
         rows = [
             self._write(digits, right - 16 * unit, 42 * unit, 28, "ink", "right", tabular=True),
             self._write("s", right, 42 * unit, 16, "quiet", "right"),
-            self._progress(now / self._ticks if self._ticks else 1.0, colour(self._theme.prey[0]), 0.9),
+            self._progress(now / ticks if ticks else 1.0, colour(self._theme.prey[0]), 0.9),
         ]
-        rows += [self._tally(scene.paths, place, time) for scene, place in zip(self._scenes, self._places, strict=True)]
-        return np.concatenate(rows)
+        paths = self._scene.paths
+        gone = np.bincount(paths.scene[: paths.prey][paths.end[: paths.prey] <= time], minlength=len(self._places))
+        for n in np.flatnonzero(gone != self._gone):
+            self._tallies[n] = self._tally(int(n), time)
+        self._gone = gone
+        return np.concatenate([*rows, *self._tallies])
 
-    def _px(self, units: float) -> int:
-        return max(round(units * self._unit), 7)
-
-    def _write(
-        self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False
-    ) -> np.ndarray:
-        return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
-
-    def _tally_width(self, paths: Motion) -> float:
-        if paths.prey <= PIPS:
-            return (paths.prey + 1) * 11 * self._unit
+    def _tally_width(self, prey: int) -> float:
+        if prey <= PIPS:
+            return (prey + 1) * 11 * self._unit
         return width("0000 arrived · 0000 dead", self._px(12)) + 10 * self._unit
 
-    def _tally(self, paths: Motion, place: Box, time: float) -> np.ndarray:
-        """Show the prey's fates: a dot for each, the arrived first and the dead last, or words when they are many."""
-        gone = int((paths.end[: paths.prey] <= time).sum())
-        if self._tallies.get(id(paths), (-1, NONE))[0] == gone:
-            return self._tallies[id(paths)][1]
-        self._tallies[id(paths)] = gone, self._counted(paths, place, time)
-        return self._tallies[id(paths)][1]
-
-    def _counted(self, paths: Motion, place: Box, time: float) -> np.ndarray:
-        fates = np.where(paths.end[: paths.prey] <= time, paths.fate[: paths.prey], "alive")
+    def _tally(self, n: int, time: float) -> np.ndarray:
+        """Show the fates of a subject's prey: a dot for each, the arrived first, the dead last, or words when they are many."""
+        paths, prey, place = self._scene.paths, self._prey[n], self._places[n]
+        fates = np.where(paths.end[prey] <= time, paths.fate[prey], 0)
         base = place.top - 9 * self._unit
-        if paths.prey > PIPS:
-            arrived, dead = int((fates == "arrived").sum()), int(np.isin(fates, FATES[2:]).sum())
-            return self._write(f"{arrived} arrived · {dead} dead", place.right, base, 12, "quiet", "right", tabular=True)
-        order = ("arrived", "alive", "captured", "crashed")
-        ranked = sorted((order.index(fate) for fate in fates), reverse=True)
-        paints = [colour(self._theme.prey[0]) if order[n] == "alive" else self._theme[order[n]] for n in ranked]
+        if len(prey) > PIPS:
+            counts = {"arrived": int((fates == ARRIVED).sum()), "dead": int((fates >= CAPTURED).sum())}
+            shown = counts if target_of(self._scene.subjects[n]) else {"alive": int((fates == 0).sum()), **counts}
+            words = " · ".join(f"{number} {name}" for name, number in shown.items())
+            return self._write(words, place.right, base, 12, "quiet", "right", tabular=True)
+        ranked = sorted((RANKS.index(FATES[fate]) for fate in fates), reverse=True)
+        paints = [colour(self._theme.prey[0]) if RANKS[n] == "alive" else self._theme[RANKS[n]] for n in ranked]
         step = 11 * self._unit
         centres = [(place.right - step * (n + 0.5), base - 4.5 * self._unit) for n in range(len(ranked))]
-        return discs(np.array(centres), 3.6 * self._unit, np.array(paints))
+        return discs(np.array(centres).reshape(-1, 2), 3.6 * self._unit, np.array(paints).reshape(-1, 3))
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         left, right, y, half = EDGE * self._unit, self._size[0] - EDGE * self._unit, self._size[1] - 18 * self._unit, self._unit

@@ -1,126 +1,280 @@
-"""Where the agents of a recording are between its ticks: cubic Hermite curves from positions and velocities."""
+"""Where agents are between ticks: cubic Hermite curves from positions and velocities, laid while the ticks come in."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from tiswarm.recording import Recording
+from render.live import Live, Moment, played
+from tiswarm.recording import FATES, Recording
+
+ALIVE, ARRIVED, CAPTURED, CRASHED = range(len(FATES))
+
+TRAILED = 3000
+"""More agents than this have no trails: they would hide each other."""
+
+CALM, ALARMED, ACTING, EXPLODING = range(4)
+"""States as they are drawn: any state but these three looks like ACTING."""
+
+Watcher = Callable[[int, np.ndarray], None]
+
+_NAMED = (("alarmed", ALARMED), ("exploding", EXPLODING))
 
 
 @dataclass(frozen=True)
+class _Part:
+    """The prey or the predators of one subject: where they stand among all agents."""
+
+    scene: int
+    kind: int
+    agents: slice
+
+
 class Motion:
-    """The paths of all agents, prey first, continuous in time. Times are ticks since the start, lengths metres.
+    """The paths of all agents of one subject or of several, prey first, continuous in time.
 
-    position: [tick, agent, dim], where each tick's curve begins; ahead: the same shape, where it ends.
-    leaving, coming: the same shape, slopes there [m/tick].
-    end: [agent], the tick at which the agent is gone, inf for those that stay.
-    fate: [agent]. state, group: [tick, agent], as recorded. prey: how many of the agents are prey.
-    period: [dim], size of a periodic world, or None.
+    Times are ticks since the start, lengths metres. Ticks are loaded when they are needed, and forgotten when no trail
+    reaches back to them: memory does not grow with time. A recording can be gone back in, a live simulation cannot.
+
+    count, prey: how many agents there are, and how many of them are prey. dim: 2 or 3.
+    scene: [agent], which subject each belongs to. is_prey: [agent], bool. ticks: [subject], how many each runs.
+    end: [agent], the tick at which the agent is gone, inf for those of whom that is not known. fate: [agent], as in FATES.
+    period: [agent, dim], size of a periodic world, 0 for others; None when no world is periodic.
     """
 
-    position: np.ndarray
-    ahead: np.ndarray
-    leaving: np.ndarray
-    coming: np.ndarray
-    end: np.ndarray
-    fate: np.ndarray
-    state: np.ndarray
-    group: np.ndarray
-    prey: int
-    period: np.ndarray | None
-    _agents: np.ndarray = field(init=False)
-    _last: np.ndarray = field(init=False)
-    _final: np.ndarray = field(init=False)
-    _flat: tuple[np.ndarray, ...] = field(init=False)
+    def __init__(self, subjects: Sequence[Recording | Live], behind: float = 0, per_tick: int = 2, most: int = TRAILED):
+        """Load the start.
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_agents", np.arange(len(self.end)))
-        object.__setattr__(self, "_final", np.minimum(self.end, self.ticks))
-        object.__setattr__(self, "_last", np.maximum(self._final - 1, 0).astype(int))
+        behind: how far back trails reach [ticks]; per_tick: their points per tick; with more agents than `most` there are none.
 
-        # Views, by tick and agent in one number, which is faster to take from than with two.
-        flat = tuple(each.reshape(-1, each.shape[2]) for each in (self.position, self.ahead, self.leaving, self.coming))
-        object.__setattr__(self, "_flat", flat)
+        Errors: ValueError when flat and 3-D subjects are mixed.
+        """
+        self.subjects = subjects
+        self.per_tick = per_tick
+        self._behind, self._most = behind, most
+        self._watchers: list[Watcher] = []
+        self._rewind()
+
+    def watch(self, watcher: Watcher) -> None:
+        """Call a function with the tick and all places [agent, dim] at the start, now, and after each tick that is loaded."""
+        self._watchers.append(watcher)
+        self._rewind()
+
+    def _rewind(self) -> None:
+        """Load the start and the first tick."""
+        self._players = [played(subject) for subject in self.subjects]
+        first = [next(player) for player in self._players]
+        self.dim = first[0][0].position.shape[1]
+        if any(prey.position.shape[1] != self.dim for prey, _ in first):
+            raise ValueError("recordings: some are flat and some are 3-D; film them one by one")
+        self._parts, start = [], 0
+        for kind in (0, 1):
+            for scene, both in enumerate(first):
+                end = start + len(both[kind].position)
+                self._parts.append(_Part(scene, kind, slice(start, end)))
+                start = end
+        self.count, self.prey = start, sum(len(prey.position) for prey, _ in first)
+        self.is_prey = np.arange(start) < self.prey
+        self.scene = np.concatenate([np.full(part.agents.stop - part.agents.start, part.scene) for part in self._parts])
+        self.ticks = np.array([subject.ticks for subject in self.subjects])
+        worlds = [subject.scenario.world for subject in self.subjects]
+        periods = np.array(
+            [[*world.size, 0][: self.dim] if world.boundary == "periodic" else [0] * self.dim for world in worlds]
+        )
+        self.period = periods[self.scene].astype(float) if periods.any() else None
+        self._turns = None if self.period is None else np.where(self.period > 0, 1 / np.maximum(self.period, 1e-9), 0)
+        self._allocate()
+        self._running, self.loaded = list(range(len(self.subjects))), 0
+        for scene, both in enumerate(first):
+            self._note(scene, both)
+        self.end[np.isnan(self._place[:, 0])] = 0
+        self._rest, self._rest_slope, self._rest_from = self._place.copy(), self._slope.copy(), self.end.copy()
+        self._tell()
+        self._advance()
+
+    def _allocate(self) -> None:
+        """Make room for two ticks, and for the points of trails."""
+        shape = self.count, self.dim
+        self._place, self._slope, self._begin, self._ahead, self._leaving, self._coming = np.full((6, *shape), np.nan)
+        self._state, self._state_before, self.fate = np.zeros((3, self.count), np.uint8)
+        self._group, self._group_before = np.full((2, self.count), -1, np.int32)
+        self.end = np.full(self.count, np.inf)
+        trailed = self._behind > 0 and self.count <= self._most
+        rows = min(int(np.ceil(self._behind)), int(self.ticks.max())) + 2 if trailed else 0
+        self._knots = np.full((rows * self.per_tick, *shape), np.nan)
 
     @property
-    def ticks(self) -> int:
-        """Count the ticks that ran."""
-        return len(self.position) - 1
+    def trailed(self) -> bool:
+        """Tell whether points of trails are kept."""
+        return len(self._knots) > 0
 
     @property
-    def count(self) -> int:
-        """Count the agents."""
-        return len(self.end)
+    def last(self) -> int:
+        """Give the last tick of all; of a simulation that still runs, the last that it may reach."""
+        return int(self.ticks.max())
 
-    @property
-    def is_prey(self) -> np.ndarray:
-        """Tell prey from predators: [agent], bool."""
-        return self._agents < self.prey
+    def _note(self, scene: int, both: tuple[Moment, Moment]) -> None:
+        """Write down a tick of a subject."""
+        dt = self.subjects[scene].scenario.world.dt
+        for part in self._parts:
+            if part.scene == scene:
+                moment, agents = both[part.kind], part.agents
+                self._place[agents], self._slope[agents] = moment.position, moment.velocity
+                self._slope[agents] *= dt
+                self._state[agents], self._group[agents] = _codes(moment.state), moment.group
+                leaving = np.isnan(self._place[agents, 0]) & np.isinf(self.end[agents])
+                if leaving.any():
+                    self.fate[agents][leaving] = [FATES.index(name) for name in moment.fate[leaving]]
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give positions and velocities [m/tick] at times: [time, agent, dim]; an agent that is gone stays where it went."""
-        when = np.minimum(times[:, None], self._final)
-        tick = np.minimum(when.astype(int), self._last)
-        f = (when - tick)[..., None]
-        here = tick * self.count + self._agents
-        a, b, va, vb = (each.take(here, axis=0) for each in self._flat)
-        chord = b - a
-        bend, twist = 3 * chord - 2 * va - vb, va + vb - 2 * chord
-        place = a + f * (va + f * (bend + f * twist))
-        if self.period is not None:
-            place = np.mod(place, self.period)
-        return place, va + f * (2 * bend + 3 * f * twist)
+    def _advance(self) -> None:
+        """Load the next tick of all subjects that still run, and lay the curves to it."""
+        ticks = {}
+        for scene in list(self._running):
+            both = next(self._players[scene], None)
+            if both is None:
+                self._stop(scene)
+            else:
+                ticks[scene] = both
+        if not ticks:
+            return
+        self._begin, self._leaving = self._place.copy(), self._slope.copy()
+        self._state_before[:], self._group_before[:] = self._state, self._group
+        for scene, both in ticks.items():
+            self._note(scene, both)
+        self.loaded += 1
+        self._ahead, self._coming = self._begin + self.shortest(self._place - self._begin), self._slope.copy()
+        gone = np.flatnonzero(np.isnan(self._place[:, 0]) & np.isinf(self.end))
+        if len(gone):
+            self._let_go(gone)
+        if len(self._knots):
+            self._tie()
+        self._tell()
 
-    def knots(self, per_tick: int) -> np.ndarray:
-        """Give positions `per_tick` times a tick: [knot, agent, dim]. Trails of points fixed in time do not crawl."""
-        return self.at(np.arange(self.ticks * per_tick + 1) / per_tick)[0]
+    def _tell(self) -> None:
+        for watcher in self._watchers:
+            watcher(self.loaded, self._place)
 
+    def _stop(self, scene: int) -> None:
+        """Leave everybody of a subject that has ended where it is."""
+        self._running.remove(scene)
+        self.ticks[scene] = self.loaded
+        staying = (self.scene == scene) & np.isinf(self.end)
+        self._rest[staying], self._rest_slope[staying] = self._place[staying], self._slope[staying]
+        self._rest_from[staying] = self.loaded
 
-def motion(recording: Recording) -> Motion:
-    """Lay curves through the paths of prey and predators.
+    def _let_go(self, gone: np.ndarray) -> None:
+        """Whoever dies or arrives in a tick has no position at its end: it goes on as it moved, and captor meets captive."""
+        self.end[gone] = self._rest_from[gone] = self.loaded
+        self._ahead[gone] = self._begin[gone] + self._leaving[gone]
+        self._coming[gone] = self._leaving[gone]
+        captured = gone[self.fate[gone] == CAPTURED]
+        captors = captured[~self.is_prey[captured]]
+        for captive in captured[self.is_prey[captured]]:
+            captors = captors[captors != self._met(captive, captors)]
+        self._rest[gone], self._rest_slope[gone] = self.within(self._ahead[gone], gone), self._coming[gone]
 
-    Whoever dies or arrives in a tick has no position at its end: it goes on as it moved, and captor and captive meet halfway.
-    """
-    world, both = recording.scenario.world, (recording.prey, recording.predators)
-    period = np.array(world.size, float) if world.boundary == "periodic" else None
-    position = np.concatenate([swarm.position for swarm in both], axis=1)
-    slope = np.concatenate([swarm.velocity for swarm in both], axis=1) * world.dt
-    fate, state, group = (
-        np.concatenate([getattr(swarm, name) for swarm in both], axis=-1) for name in ("fate", "state", "group")
-    )
-    ahead, coming = np.roll(position, -1, axis=0), np.roll(slope, -1, axis=0)
-    ahead[-1], coming[-1] = position[-1], slope[-1]
-    if period is not None:
-        ahead = position + (ahead - position + period / 2) % period - period / 2
-    rows = np.isfinite(position[..., 0]).sum(axis=0)
-    end = np.where(rows < len(position), rows, np.inf)
-    gone = np.flatnonzero(np.isfinite(end) & (rows > 0))
-    last = rows[gone] - 1
-    ahead[last, gone] = position[last, gone] + slope[last, gone]
-    coming[last, gone] = slope[last, gone]
-    paths = Motion(position, ahead, slope, coming, end, fate, state, group, recording.prey.count, period)
-    _join_captures(paths, recording.scenario.prey.radius + recording.scenario.predators.radius)
-    return paths
+    def _met(self, captive: int, captors: np.ndarray) -> int:
+        """Let a captive and the nearest predator that died in the same tick end at the point between them; -1 for none.
 
-
-def _join_captures(paths: Motion, touch: float) -> None:
-    """Let each captive and the nearest predator that died in the same tick end at the point between them.
-
-    touch: distance of two agents that touch [m]; pairs farther apart than it and their last steps together are no pairs.
-    """
-    captured = (paths.fate == "captured") & np.isfinite(paths.end) & (paths.end > 0)
-    captors = np.flatnonzero(captured & ~paths.is_prey)
-    for captive in np.flatnonzero(captured & paths.is_prey):
-        tick = int(paths.end[captive]) - 1
-        rivals = captors[paths.end[captors] == tick + 1]
-        if len(rivals) == 0:
-            continue
-        gaps = np.linalg.norm(paths.ahead[tick, rivals] - paths.ahead[tick, captive], axis=1)
-        captor = rivals[gaps.argmin()]
-        if gaps.min() > touch + np.linalg.norm(paths.leaving[tick, [captor, captive]], axis=1).sum():
-            continue
-        captors = captors[captors != captor]
-        meeting = (paths.ahead[tick, captor] + paths.ahead[tick, captive]) / 2
+        Pairs farther apart than two agents that touch and their last steps together are no pairs.
+        """
+        scene = self.scene[captive]
+        rivals = captors[self.scene[captors] == scene]
+        if not len(rivals):
+            return -1
+        apart = self.shortest(self._ahead[rivals] - self._ahead[captive], rivals)
+        gaps = np.linalg.norm(apart, axis=1)
+        captor, half = int(rivals[gaps.argmin()]), apart[gaps.argmin()] / 2
+        scenario = self.subjects[scene].scenario
+        touch = scenario.prey.radius + scenario.predators.radius
+        if gaps.min() > touch + np.linalg.norm(self._leaving[[captor, captive]], axis=1).sum():
+            return -1
+        self._ahead[captive] += half
+        self._ahead[captor] -= half
         for agent in (captive, captor):
-            paths.ahead[tick, agent] = meeting
-            paths.coming[tick, agent] = meeting - paths.position[tick, agent]
+            self._coming[agent] = self._ahead[agent] - self._begin[agent]
+        return captor
+
+    def shortest(self, step: np.ndarray, agents: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Take steps across the edge of a periodic world, where that is shorter."""
+        if self.period is None or self._turns is None:
+            return step
+        return step - self.period[agents] * np.floor(step * self._turns[agents] + 0.5)
+
+    def within(self, spots: np.ndarray, agents: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Bring places back into a periodic world."""
+        if self.period is None or self._turns is None:
+            return spots
+        return spots - self.period[agents] * np.floor(spots * self._turns[agents])
+
+    def _tie(self) -> None:
+        """Keep points of the newest curves for trails: points fixed in time do not crawl."""
+        tick = self.loaded - 1
+        resting = self._rest_from <= tick
+        for n in range(self.per_tick):
+            knot = self._between(n / self.per_tick)
+            knot[resting] = self._rest[resting]
+            self._knots[(tick * self.per_tick + n) % len(self._knots)] = knot
+
+    def _bends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Give the curves' coefficients of the second and third power."""
+        chord, va, vb = self._ahead - self._begin, self._leaving, self._coming
+        return 3 * chord - 2 * va - vb, va + vb - 2 * chord
+
+    def _between(self, f: float) -> np.ndarray:
+        """Give places at a share of the way between the two ticks that are loaded."""
+        bend, twist = self._bends()
+        return self.within(self._begin + f * (self._leaving + f * (bend + f * twist)))
+
+    def reach(self, time: float) -> bool:
+        """Load what is known up to a time; tell whether something still moves then.
+
+        Errors: ValueError for a time that a live simulation has passed.
+        """
+        if time < self.loaded - 1:
+            if not all(isinstance(subject, Recording) for subject in self.subjects):
+                raise ValueError(f"time: a live simulation is at tick {self.loaded} and cannot go back; record it first")
+            self._rewind()
+        while self._running and self.loaded <= int(time):
+            self._advance()
+        return time < self.last
+
+    def spots(self, time: float) -> np.ndarray:
+        """Give places at a time: [agent, dim]; an agent that is gone stays where it went."""
+        self.reach(time)
+        spots = self._between(min(time - (self.loaded - 1), 1.0))
+        resting = time >= self._rest_from
+        spots[resting] = self._rest[resting]
+        return spots
+
+    def speeds(self, time: float) -> np.ndarray:
+        """Give velocities [m/tick] at a time: [agent, dim]."""
+        self.reach(time)
+        f = min(time - (self.loaded - 1), 1.0)
+        bend, twist = self._bends()
+        speeds = self._leaving + f * (2 * bend + 3 * f * twist)
+        resting = time >= self._rest_from
+        speeds[resting] = self._rest_slope[resting]
+        return speeds
+
+    def states(self, time: float) -> np.ndarray:
+        """Give the states, as CALM, ALARMED, ..., of the tick before a time: [agent]."""
+        self.reach(time)
+        return self._state if time >= self.loaded else self._state_before
+
+    def groups(self, time: float) -> np.ndarray:
+        """Give the sub-swarms, or clusters chased, of the tick before a time: [agent], -1 for none."""
+        self.reach(time)
+        return self._group if time >= self.loaded else self._group_before
+
+    def knots(self, first: int, last: int) -> np.ndarray:
+        """Give the points of trails from number `first` to before `last`, `per_tick` for each tick: [knot, agent, dim]."""
+        return self._knots.take(np.arange(first, last) % len(self._knots), axis=0)
+
+
+def _codes(state: np.ndarray) -> np.ndarray:
+    """Turn names of states into numbers."""
+    codes = np.where(state == "calm", CALM, ACTING).astype(np.uint8)
+    for name, code in _NAMED:
+        codes[state == name] = code
+    return codes

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from render.caption import Caption, counters, introduced, spaced
 from render.layout import Box, Layout
 from render.scene import Scene
 from render.shapes import Colour, boxes, capsules, colour, darts
@@ -13,20 +14,19 @@ INSET = 28
 COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5)}
 """Shares of the panel's width; title, legend, counters and clock are dealt to the columns in this order."""
 
-FATES = ("alive", "arrived", "captured", "crashed")
 ROW = 25
 
 
-class Panel:
+class Panel(Caption):
     """The caption of one scene."""
 
     def __init__(self, scene: Scene, layout: Layout, atlas: Atlas):
         """Place the blocks. The layout must have room for a panel."""
         assert layout.panel is not None
-        self._scene, self._layout, self._atlas = scene, layout, atlas
-        self._unit, self._theme = layout.unit, scene.theme
+        super().__init__(scene, atlas, layout.unit)
+        self._layout, self._subject, self._counters = layout, scene.subjects[0], counters(scene)
         self._still: list[np.ndarray] = []
-        self._counted: list[int] = []  # counters change seldom: their shapes are kept until they do
+        self._counted: list[int] = []  # numbers change seldom: their shapes are kept until they do
         self._counter_rows: list[np.ndarray] = []
         self._place(layout.panel)
 
@@ -50,23 +50,14 @@ class Panel:
 
     def frame(self, time: float) -> np.ndarray:
         """Draw what changes: counters, clock and progress."""
-        ticks = self._scene.paths.ticks
+        ticks = self._scene.paths.last
         share = min(time / ticks, 1.0) if ticks else 1.0
         return np.concatenate(
-            [*self._counters(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)]
+            [*self._numbers(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)]
         )
 
-    def _px(self, units: float) -> int:
-        """Turn a size of type into whole pixels."""
-        return max(round(units * self._unit), 7)
-
-    def _write(
-        self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False
-    ) -> np.ndarray:
-        return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
-
     def _title(self, box: Box, y: float) -> float:
-        scenario = self._scene.recording.scenario
+        scenario = self._subject.scenario
         size = 21
         for line in wrapped(scenario.title, self._px(size), int(box.width), 5):
             y += size * 1.22 * self._unit
@@ -75,45 +66,40 @@ class Panel:
         for line in wrapped(scenario.source, self._px(12), int(box.width), 2) if scenario.source else ():
             y += 19 * self._unit
             self._still.append(self._write(line, box.left, y, 12, "quiet"))
-        recording = self._scene.recording
         y += 18 * self._unit
-        self._still.append(self._write(f"trial {recording.trial} · seed {recording.seed}", box.left, y, 12, "quiet"))
+        self._still.append(self._write(f"trial {self._subject.trial} · seed {self._subject.seed}", box.left, y, 12, "quiet"))
         return y + 22 * self._unit
 
     def _legend(self, box: Box, y: float) -> float:
         """Show prey and predators as they look on the stage, with their strategies."""
-        scenario, unit = self._scene.recording.scenario, self._unit
-        recording = self._scene.recording
-        for name, count, agents in (
-            ("prey", recording.prey.count, scenario.prey),
-            ("predator", recording.predators.count, scenario.predators),
-        ):
-            if not count:
-                continue
+        unit = self._unit
+        for name, who, strategy, avoidance in introduced(self._scene):
             self._still.append(self._likeness(name, box.left + 10 * unit, y + 15 * unit, unit))
             x, room = box.left + 28 * unit, int(box.width - 28 * unit)
-            plural = "s" if name == "predator" and count != 1 else ""
-            how = agents.strategy + ("" if agents.avoidance == "none" else f" · {agents.avoidance}")
-            self._still.append(self._write(f"{count:,} {name}{plural}".replace(",", " "), x, y + 13 * unit, 15, "ink"))
+            how = f"{strategy} · {avoidance}" if avoidance else strategy
+            self._still.append(self._write(who, x, y + 13 * unit, 15, "ink"))
             self._still.append(self._write(wrapped(how, self._px(12), room, 1)[0], x, y + 30 * unit, 12, "quiet"))
             y += 44 * unit
         return y + 8 * unit
 
     def _likeness(self, name: str, x: float, y: float, unit: float) -> np.ndarray:
         """Draw a prey or a predator as it looks on the stage."""
-        middle, right, hue = np.array([[x, y]]), np.array([[unit, 0.0]]), colour(getattr(self._theme, name)[0])
+        middle, right, hue = (
+            np.array([[x, y]]),
+            np.array([[unit, 0.0]]),
+            colour(self._theme.prey[0] if name == "prey" else self._theme.predator),
+        )
         if name == "prey":
             return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, hue)
         return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, hue)
 
     def _counter_names(self, box: Box, y: float) -> float:
         self._counter_box = Box(box.left, y, box.right, box.bottom)
-        rows = [*FATES, "predators left"] if self._scene.recording.predators.count else FATES
-        for n, name in enumerate(rows):
+        for n, counter in enumerate(self._counters):
             base = y + (n * ROW + 14) * self._unit
-            self._still.append(self._write(name, box.left, base, 13, "quiet"))
+            self._still.append(self._write(counter.name, box.left, base, 13, "quiet"))
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
-        return y + len(rows) * ROW * self._unit
+        return y + len(self._counters) * ROW * self._unit
 
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
         """Draw a counter's bar below its name."""
@@ -126,28 +112,20 @@ class Panel:
         box, unit = self._counter_box, self._unit
         return self._write(digits, box.right, box.top + (row * ROW + 14) * unit, 14, paint, "right", tabular=True)
 
-    def _counters(self, time: float) -> list[np.ndarray]:
-        paths, recording, theme = self._scene.paths, self._scene.recording, self._theme
-        gone, prey = paths.end <= time, paths.is_prey
-        fates = paths.fate[gone & prey]
-        counts = [int((~gone & prey).sum()), *(int((fates == fate).sum()) for fate in FATES[1:])]
-        if recording.predators.count:
-            counts.append(int((~gone & ~prey).sum()))
-        if counts == self._counted:
-            return self._counter_rows
-        paints = [colour(theme.prey[0]), *(theme[fate] for fate in FATES[1:]), colour(theme.predator[0])]
-        totals = [recording.prey.count] * 4 + [recording.predators.count]
-        rows = []
-        for n, (count, total, paint) in enumerate(zip(counts, totals, paints, strict=False)):
-            rows.append(self._number(n, f"{count:,}".replace(",", " "), "ink" if count else "quiet"))
-            if count:
-                rows.append(self._bar(n, count / total, paint, 0.95))
-        self._counted, self._counter_rows = counts, rows
-        return rows
+    def _numbers(self, time: float) -> list[np.ndarray]:
+        numbers = [counter.number(time) for counter in self._counters]
+        if numbers != self._counted:
+            rows = []
+            for n, (counter, number) in enumerate(zip(self._counters, numbers, strict=True)):
+                rows.append(self._number(n, spaced(number) + counter.unit, "ink" if number else "quiet"))
+                if number:
+                    rows.append(self._bar(n, number / counter.total, counter.paint, 0.95))
+            self._counted, self._counter_rows = numbers, rows
+        return self._counter_rows
 
     def _clock(self, time: float) -> list[np.ndarray]:
         """Write the time in the world, and below it the tick."""
-        scenario, unit, ticks = self._scene.recording.scenario, self._unit, self._scene.paths.ticks
+        scenario, unit, ticks = self._subject.scenario, self._unit, self._scene.paths.last
         now = min(time, ticks)
         box = self._columns[-1]
         base = box.bottom - 30 * unit

@@ -13,6 +13,7 @@ import taichi as ti
 from render.shapes import (
     ALPHA,
     BOUNDS,
+    BOX,
     CAPSULE,
     DART,
     GROUP,
@@ -24,6 +25,7 @@ from render.shapes import (
     SPRITE,
     STROKE,
     TWEAK,
+    WINDOW,
     encoded,
 )
 from tiswarm import runtime
@@ -40,6 +42,12 @@ AREA = TILE * ACROSS  # lanes of one plane of a tile
 MASK = 3  # plane of joined coverage in the scratch memory, after linear red, green and blue
 PLANES = 4
 CONSTANTS = 1 + AREA  # lanes ahead of the planes: 0 1 2 .. 7, then the dither pattern
+
+OVER, LAY, WHOLE = 0, 1, 2
+"""Paint over the ground; paint all and keep it as the ground; paint all and keep nothing."""
+
+HEAD = 8
+"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows. Each argument costs a launch some time."""
 
 _TASK = runtime.TASK
 _LANE = ti.types.vector(LANES, ti.f32)
@@ -245,85 +253,140 @@ def _write_yuv(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out:
 
 
 @ti.func
-def _tile_of(pixel: ti.f32) -> ti.i32:
-    """Give the tile, along one axis, of a pixel inside the frame."""
-    return ti.cast(pixel, ti.i32) // TILE
+def _fit(shapes: ti.template(), n: ti.i32, windows: ti.template()) -> ti.i32:
+    """Store the whole-pixel bounds of shape n, cut to its window; tell whether anything of it can be seen."""
+    ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    p, q = shapes[n, SIZE], shapes[n, SIZE + 1]
+    kind, window = ti.cast(shapes[n, KIND], ti.i32), ti.cast(shapes[n, WINDOW], ti.i32)
+    around = shapes[n, SOFT] * ti.f32(0.5) + shapes[n, STROKE] + ti.f32(0.5)
+    x0, y0, x1, y1 = ax, ay, ax, ay
+    if kind == CAPSULE:
+        x0, y0, x1, y1 = ti.min(ax, bx), ti.min(ay, by), ti.max(ax, bx), ti.max(ay, by)
+        around += ti.max(p, q)
+    elif kind == DART:
+        around += ti.sqrt(p * p + q * q)
+    elif kind == BOX:
+        x0, y0, x1, y1 = ax - p, ay - q, ax + p, ay + q
+    else:
+        x1, y1, around = ax + p, ay + q, ti.f32(0.0)
+    x0, y0 = ti.max(ti.floor(x0 - around), windows[window, 0]), ti.max(ti.floor(y0 - around), windows[window, 1])
+    x1, y1 = ti.min(ti.ceil(x1 + around), windows[window, 2]), ti.min(ti.ceil(y1 + around), windows[window, 3])
+    shapes[n, BOUNDS], shapes[n, BOUNDS + 1], shapes[n, BOUNDS + 2], shapes[n, BOUNDS + 3] = x0, y0, x1, y1
+    finite = (ax - ax) + (ay - ay) + (bx - bx) + (by - by) + (p - p) + (q - q) == ti.f32(0.0)
+    inked = ti.max(shapes[n, ALPHA], shapes[n, ALPHA + 1]) > ti.f32(0.0)
+    return ti.cast(finite and inked and x1 > x0 and y1 > y0, ti.i32)
 
 
 @ti.func
-def _bin(shapes: ti.template(), count: ti.i32, bins: ti.template(), columns: ti.i32, rows: ti.i32):
-    """List for each tile, in drawing order, the shapes whose bounds meet it: bins = starts of the tiles, end, entries."""
-    tiles = columns * rows
+def _bin(shapes: ti.template(), windows: ti.template(), bins: ti.template(), columns: ti.i32, tiles: ti.i32):
+    """List for each tile, in drawing order, the shapes that it shows: after the head, starts of the tiles, end, entries."""
+    count = bins[2]
     for tile in range(tiles + 1):
-        bins[tile] = 0
+        bins[HEAD + tile] = 0
     for n in range(count):
-        left, top = _tile_of(shapes[n, BOUNDS]), _tile_of(shapes[n, BOUNDS + 1])
-        right, bottom = _tile_of(shapes[n, BOUNDS + 2] - ti.f32(1.0)), _tile_of(shapes[n, BOUNDS + 3] - ti.f32(1.0))
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                bins[row * columns + column] += 1
+        if _fit(shapes, n, windows):
+            left, top = ti.cast(shapes[n, BOUNDS], ti.i32) // TILE, ti.cast(shapes[n, BOUNDS + 1], ti.i32) // TILE
+            right = (ti.cast(shapes[n, BOUNDS + 2], ti.i32) - 1) // TILE
+            bottom = (ti.cast(shapes[n, BOUNDS + 3], ti.i32) - 1) // TILE
+            for row in range(top, bottom + 1):
+                for column in range(left, right + 1):
+                    bins[HEAD + row * columns + column] += 1
+        else:
+            shapes[n, BOUNDS + 2] = ti.f32(-1.0)
     for tile in range(tiles):
-        bins[tile + 1] += bins[tile]
-    for back in range(count):
-        n = count - 1 - back
-        left, top = _tile_of(shapes[n, BOUNDS]), _tile_of(shapes[n, BOUNDS + 1])
-        right, bottom = _tile_of(shapes[n, BOUNDS + 2] - ti.f32(1.0)), _tile_of(shapes[n, BOUNDS + 3] - ti.f32(1.0))
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                tile = row * columns + column
-                bins[tile] -= 1
-                bins[tiles + 1 + bins[tile]] = n
+        bins[HEAD + tile + 1] += bins[HEAD + tile]
+    if bins[HEAD + tiles] <= bins[4]:
+        for back in range(count):
+            n = count - 1 - back
+            if shapes[n, BOUNDS + 2] >= ti.f32(0.0):
+                left, top = ti.cast(shapes[n, BOUNDS], ti.i32) // TILE, ti.cast(shapes[n, BOUNDS + 1], ti.i32) // TILE
+                right = (ti.cast(shapes[n, BOUNDS + 2], ti.i32) - 1) // TILE
+                bottom = (ti.cast(shapes[n, BOUNDS + 3], ti.i32) - 1) // TILE
+                for row in range(top, bottom + 1):
+                    for column in range(left, right + 1):
+                        tile = HEAD + row * columns + column
+                        bins[tile] -= 1
+                        bins[HEAD + tiles + 1 + bins[tile]] = n
+
+
+@ti.func
+def _paint_entries(
+    shapes: ti.template(),
+    atlas: ti.template(),
+    bins: ti.template(),
+    lanes: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    first: ti.i32,
+    entries: ti.i32,
+    x0,
+    y0,
+):
+    """Blend the shapes of a tile, whose entries begin at `first`, into its scratch memory."""
+    joined = -1  # a shape of the group whose coverage the mask holds, between two rows of the tile
+    top, bottom = TILE, 0
+    for entry in range(entries + 1):
+        n = ti.select(entry < entries, bins[first + entry], -1)
+        group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
+        if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
+            _paint_mask(shapes, joined, lanes, place, top, bottom)
+            top, bottom = TILE, 0
+        if n >= 0:
+            _paint_shape(shapes, n, atlas, lanes, numbers, place, x0, y0)
+            if group > ti.f32(0.0):
+                top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
+                bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
+        joined = ti.select(group > ti.f32(0.0), n, -1)
 
 
 @ti.kernel
 def paint(
     shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
-    count: ti.i32,
+    windows: ti.types.ndarray(dtype=ti.f32, ndim=2),
     atlas: ti.types.ndarray(dtype=ti.u8, ndim=2),
     bins: ti.types.ndarray(dtype=ti.i32, ndim=1),
     ground: _Lanes,
     lanes: _Lanes,
     numbers: _Numbers,
     out: _Bytes,
-    width: ti.i32,
-    height: ti.i32,
-    laying: ti.i32,
     as_yuv: ti.template(),
 ):
-    """Paint the tiles that shapes touch over the ground and write their bytes; when laying, paint all and keep them as ground.
+    """Paint tiles and write their bytes: those that shapes touch or that `out` notes as touched, or all of them.
 
-    lanes and numbers are two views of the scratch memory.
+    windows: rows of x0, y0, x1, y1, and one more with the colour that all begins with unless it is the ground. lanes and
+    numbers are two views of the scratch memory. When bins have no room for all entries nothing is painted: their end says how
+    many there are.
     """
     for _ in range(1):
-        _bin(shapes, count, bins, (width + TILE - 1) // TILE, (height + TILE - 1) // TILE)
+        across = (bins[0] + TILE - 1) // TILE
+        _bin(shapes, windows, bins, across, across * ((bins[1] + TILE - 1) // TILE))
     for index in range(CHUNKS * _TASK):
         if index % _TASK == 0:
-            columns, rows = (width + TILE - 1) // TILE, (height + TILE - 1) // TILE
-            tiles = columns * rows
+            width, height, mode = bins[0], bins[1], bins[3]
+            columns = (width + TILE - 1) // TILE
+            tiles = columns * ((height + TILE - 1) // TILE)
+            length = width * height * 3
+            if ti.static(as_yuv):
+                length = length // 2
             chunk = index // _TASK
             place = CONSTANTS + chunk * PLANES * AREA
-            for step in range((tiles - chunk + CHUNKS - 1) // CHUNKS):
+            some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
+            for step in range(some * ((tiles - chunk + CHUNKS - 1) // CHUNKS)):
                 tile = step * CHUNKS + chunk
-                start, end = bins[tile], bins[tile + 1]
-                if end > start or laying > 0:
+                start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
+                if end > start or mode != OVER or out[length + tile] > 0:
+                    out[length + tile] = ti.cast(end > start, ti.u8)
                     x0, y0 = tile % columns * TILE, tile // columns * TILE
-                    for spot in range(3 * AREA):
-                        lanes[place + spot] = ground[tile * 3 * AREA + spot]
-                    joined = -1  # a shape of the group whose coverage the mask holds, between two rows of the tile
-                    top, bottom = TILE, 0
-                    for entry in range(start, end + 1):
-                        n = ti.select(entry < end, bins[tiles + 1 + entry], -1)
-                        group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
-                        if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
-                            _paint_mask(shapes, joined, lanes, place, top, bottom)
-                            top, bottom = TILE, 0
-                        if n >= 0:
-                            _paint_shape(shapes, n, atlas, lanes, numbers, place, x0, y0)
-                            if group > ti.f32(0.0):
-                                top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
-                                bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
-                        joined = ti.select(group > ti.f32(0.0), n, -1)
-                    if laying > 0:
+                    if mode == OVER:
+                        for spot in range(3 * AREA):
+                            lanes[place + spot] = ground[tile * 3 * AREA + spot]
+                    else:
+                        for c in range(3):
+                            base = windows[bins[5], c]
+                            for spot in range(place + c * AREA, place + (c + 1) * AREA):
+                                lanes[spot] = ti.f32(0.0) * lanes[0] + base
+                    _paint_entries(shapes, atlas, bins, lanes, numbers, place, HEAD + tiles + 1 + start, end - start, x0, y0)
+                    if mode == LAY:
                         for spot in range(3 * AREA):
                             ground[tile * 3 * AREA + spot] = lanes[place + spot]
                     for spot in range(place, place + 3 * AREA):

@@ -1,16 +1,18 @@
-"""What moves in a recording: agents, their trails and states, drawn for one frame at a time."""
+"""What moves: the agents of all subjects, their trails and states, drawn for one frame at a time in one pass."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from render import world
 from render.camera import Camera, Orbit
 from render.fates import Fates
+from render.live import Live
 from render.look import Look
-from render.motion import motion
-from render.now import Now, now
+from render.motion import ACTING, ALARMED, EXPLODING, Motion
+from render.now import Now, images, now
 from render.overlays import Overlays
-from render.shapes import NONE, capsules, colour, darts, discs, rings
-from render.text import Atlas
+from render.shapes import NONE, WINDOW, capsules, colour, darts, discs, rings
 from tiswarm.recording import Recording
 
 SMALLEST = 2.5
@@ -19,9 +21,6 @@ SMALLEST = 2.5
 READABLE, CROWD = 5.2, 60
 """Agents are at least this large [units of type] while there are at most CROWD of them, and shrink as they become more."""
 
-TRAILED = 3000
-"""More agents than this have no trails: they would hide each other."""
-
 HUNTERS = 0.65
 """Trails of predators are this much weaker than those of prey, whose story it is."""
 
@@ -29,142 +28,182 @@ CROWDED = 20_000
 """From this many agents on, a heat map shows where they are."""
 
 
-class Scene:
-    """A recording, ready to be drawn."""
+Layer = tuple[np.ndarray, np.ndarray]
+"""Shapes, and for each the row of `Now` that it belongs to."""
 
-    def __init__(self, recording: Recording, look: Look, atlas: Atlas, unit: float, knots: int = 2):
+
+class Scene:
+    """Recordings or live simulations, ready to be drawn."""
+
+    def __init__(self, subjects: Sequence[Recording | Live], look: Look, unit: float, knots: int = 2):
         """Prepare the paths.
 
         unit: pixels per unit of type, by which small things are sized. knots: points of a trail per tick; 2 make round curves.
+
+        Errors: as `Motion`.
         """
-        self.recording, self.look, self.unit, self.theme = recording, look, unit, look.colours
-        self._atlas = atlas
-        self.paths = motion(recording)
-        self._fates = Fates(recording, self.paths, self.theme, unit, look.speed)
-        dense = self.paths.count >= CROWDED
-        self._overlays = Overlays(recording, self.paths, self.theme, unit, (*look.overlay, *(("density",) if dense else ())))
-        self._agents_shown = not dense
-        # From then on nothing changes any more, but for cleaned ground, which fades.
-        self._over = np.inf if "coverage" in look.overlay else self._fates.over(self.paths.ticks)
-        self._last: tuple[Camera | None, list[np.ndarray]] = (None, [])
-        self._line: tuple[Camera | None, np.ndarray | None] = (None, None)  # the knots on the screen of a still camera
-        self._per_tick = knots
-        self._knots = self.paths.knots(knots) if self._trails_shown() else None
-        self._paints = self._palette()
-        scenario, crowds = recording.scenario, (self.paths.count - self.paths.prey, self.paths.prey)
-        self._radii = scenario.predators.radius, scenario.prey.radius
-        self._least = [max(READABLE * unit * min(1.0, (CROWD / max(crowd, 1)) ** 0.5), SMALLEST) for crowd in crowds]
+        self.subjects, self.look, self.unit, self.theme = subjects, look, unit, look.colours
+        self._reach_back = look.trail * look.speed
+        self.paths = Motion(subjects, self._reach_back, knots)
+        most = max(np.bincount(self.paths.scene, minlength=len(subjects)))
+        self._agents_shown = most < CROWDED
+        self._fates = Fates(self.paths, self.theme, unit, look.speed)
+        overlay = (*look.overlay, *(() if self._agents_shown else ("density",)))
+        self._overlays = Overlays(self.paths, self.theme, unit, overlay)
+        self.coverage = self._overlays.coverage
+        self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
+        self._size_up()
 
-    def ground(self, camera: Camera) -> np.ndarray:
-        """Draw the world: everything that stands still."""
-        return world.ground(self.recording, self.theme, self._atlas, self.unit, camera)
+    def _size_up(self) -> None:
+        """Find out what about each agent never changes: [agent]."""
+        paths = self.paths
+        crowds = [np.bincount(paths.scene[paths.is_prey == prey], minlength=len(self.subjects)) for prey in (False, True)]
+        radii = [[getattr(subject.scenario, kind).radius for subject in self.subjects] for kind in ("predators", "prey")]
+        least = [np.maximum(READABLE * self.unit * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
+        prey, scene = paths.is_prey.astype(int), paths.scene
+        self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
+        self._swatch = np.array([colour(each) for each in self.theme.prey])
+        self._strength = np.where(paths.is_prey, 1.0, HUNTERS)
 
-    def frame(self, time: float, camera: Camera) -> list[np.ndarray]:
-        """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on."""
-        if time < self._over:
-            return self._drawn(time, camera)
-        if self._last[0] is not camera:
-            self._last = camera, self._drawn(time, camera)
-        return self._last[1]
+    def frame(self, time: float, camera: Camera, windows: np.ndarray) -> np.ndarray:
+        """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on.
 
-    def _drawn(self, time: float, camera: Camera) -> list[np.ndarray]:
-        here = now(self.paths, time, camera)
-        gone = not here.seen.all()
+        windows: [subject, 4], where on the screen each is shown [px].
+        """
+        around = self._around(camera, windows)
+        here = now(self.paths, time, camera, around)
+        gone = bool((self.paths.end <= time).any())
         rows = [self._overlays.below(here, camera)]
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
         if isinstance(camera, Orbit):
             rows.append(self._shadows(here, camera))
-        if self._trails_shown():
-            rows.append(self._trails(here, camera))
+        if self.paths.trailed:
+            rows.append(self._trails(here, camera, around))
         if self._agents_shown:
-            rows += [*self._predators(here, camera), *self._prey(here, camera)]
+            reach = np.maximum(self._radius[here.who] * camera.scale, self._least[here.who])
+            paints = self._paints(time)[here.who]
+            if isinstance(camera, Orbit):
+                reach = np.maximum(reach * here.near, SMALLEST)
+                haze = np.clip(0.5 + 1.3 * (1 - here.near), 0, 0.75)[:, None]
+                paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
+            drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
+            rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
         if gone:
-            rows.append(self._fates.flashes(here))
+            rows.append(self._fates.flashes(here, camera))
+        return np.concatenate(rows)
+
+    def _around(self, camera: Camera, windows: np.ndarray) -> np.ndarray | None:
+        """Give what of periodic worlds each agent's window shows, and a rim for what is larger than a point: [agent, 4], m."""
+        if self.paths.period is None or isinstance(camera, Orbit):
+            return None
+        if self._seen[0] is not camera:
+            edges = windows[self.paths.scene].astype(float)
+            middle = np.broadcast_to(camera.middle, (self.paths.count, 2))
+            low = camera.centre + (edges[:, [0, 3]] - middle) * (1, -1) / camera.scale
+            high = camera.centre + (edges[:, [2, 1]] - middle) * (1, -1) / camera.scale
+            rim = 3 * np.maximum(self._radius, self._least / camera.scale)[:, None]
+            self._seen = camera, np.concatenate([low - rim, high + rim], axis=1)
+        return self._seen[1]
+
+    def _paints(self, time: float) -> np.ndarray:
+        """Colour agents by the sub-swarm they belong to: [agent, channel], linear light."""
+        paths, group = self.paths, np.maximum(self.paths.groups(time), 0)
+        paints = self._swatch[group % len(self._swatch)]
+        paints[paths.prey :] = colour(self.theme.predator)
+        return paints
+
+    def _cut(self, rows: np.ndarray, agents: np.ndarray) -> np.ndarray:
+        """Cut shapes to the windows of their agents' scenes."""
+        if len(self.subjects) > 1:
+            rows[:, WINDOW] = self.paths.scene[agents]
         return rows
 
-    def _trails_shown(self) -> bool:
-        return self.look.trail > 0 and self.paths.count <= TRAILED
+    def _by_depth(self, drawn: list[Layer], here: Now, camera: Orbit) -> list[np.ndarray]:
+        """Order shapes of agents, and the spheres among them, from far to near."""
+        shapes, near = [each for each, _ in drawn], [here.near[rows] for _, rows in drawn]
+        for scene, subject in enumerate(self.subjects):
+            agents = np.flatnonzero(self.paths.scene == scene)
+            balls, depth = world.spheres(subject, self.theme, camera.of(agents[0]) if len(agents) else camera)
+            balls[:, WINDOW] = scene
+            shapes.append(balls)
+            near.append(depth)
+        order = np.argsort(np.concatenate(near), kind="stable")
+        return [np.concatenate(shapes)[order]]
 
-    def _palette(self) -> np.ndarray:
-        """Colour agents by the sub-swarm they belong to: [tick, agent, channel], linear light."""
-        group, prey = np.maximum(self.paths.group, 0), self.paths.prey
-        hues = [np.array([colour(each) for each in swatch], np.float32) for swatch in (self.theme.prey, self.theme.predator)]
-        return np.concatenate([hues[0][group[:, :prey] % len(hues[0])], hues[1][group[:, prey:] % len(hues[1])]], axis=1)
-
-    def _reach(self, prey: bool, camera: Camera) -> float:
-        """Give an agent's radius on the screen: true, but large enough to be seen among as many as there are."""
-        return max(self._radii[prey] * camera.scale, self._least[prey])
-
-    def _shown(self, here: Now, prey: bool, camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Choose the agents to draw, the farthest first; give their numbers, radii [px] and colours."""
-        first, last = (0, self.paths.prey) if prey else (self.paths.prey, self.paths.count)
-        agents = first + np.flatnonzero(here.seen[first:last])
-        if not isinstance(camera, Orbit):
-            return agents, np.full(len(agents), self._reach(prey, camera)), self._paints[here.row][agents]
-        agents = agents[np.argsort(here.near[agents], kind="stable")]
-        near = here.near[agents]
-        haze = np.clip(0.5 + 1.3 * (1 - near), 0, 0.75)[:, None]
-        paints = self._paints[here.row][agents] * (1 - haze) + np.array(self.theme["backdrop"]) * haze
-        return agents, np.maximum(self._reach(prey, camera) * near, SMALLEST), paints
-
-    def _trails(self, here: Now, camera: Camera) -> np.ndarray:
+    def _trails(self, here: Now, camera: Camera, around: np.ndarray | None) -> np.ndarray:
         """Draw where agents were: lines that thin out and fade with age."""
-        assert self._knots is not None
-        paths, ticks = self.paths, self.look.trail * self.look.speed
-        moment = min(here.time, float(paths.ticks))
-        first, last = max(int(np.ceil((moment - ticks) * self._per_tick)), 0), int(np.ceil(moment * self._per_tick))
+        paths, ticks, pace = self.paths, self._reach_back, self.paths.per_tick
+        moment = min(here.time, float(paths.last))
+        first, last = max(int(np.ceil((moment - ticks) * pace)), 0), int(np.ceil(moment * pace))
         if last <= first:
             return NONE
-        times = np.append(np.arange(first, last) / self._per_tick, moment)
-        # A line ends where its agent went, and breaks where the agent left one side of a periodic world for the other.
-        shown = times[:-1, None] < paths.end
-        if paths.period is not None:
-            line = np.concatenate([self._knots[first:last], here.spot[None]])
-            shown = shown & (np.abs(np.diff(line, axis=0)) < paths.period / 2).all(axis=2)
-        agents, starts = shown.T.nonzero()
-        pixels = np.concatenate([self._on_screen(camera, first, last).reshape(-1, 2), here.centre])
-        start = starts * paths.count + agents
+        times = np.append(np.arange(first, last) / pace, moment)
+        line = np.concatenate([paths.knots(first, last), here.spot[None]])
+        agents, starts = (times[:-1, None] < paths.end).T.nonzero()
+        a, b = self._segments(line, agents, starts, camera) if around is None else (None, None)
+        if around is not None:
+            a, b, agents, starts = self._pieces(line, agents, starts, camera, around)
         fresh = np.maximum(1 - (moment - times) / ticks, 0)
         alpha, thin = self.theme.trail_alpha * fresh**1.4, 0.25 + 0.75 * fresh
-        strong = np.where(paths.is_prey, 1.0, HUNTERS)[agents]
-        wide = (np.where(paths.is_prey, *(0.42 * self._reach(prey, camera) for prey in (True, False))) * here.near)[agents]
-        return capsules(
-            pixels.take(start, axis=0),
-            pixels.take(start + paths.count, axis=0),
+        strong = self._strength[agents]
+        near = camera.nearness(here.spot) if isinstance(camera, Orbit) else 1.0
+        wide = (0.42 * np.maximum(self._radius * camera.scale, self._least) * near)[agents]
+        rows = capsules(
+            a,
+            b,
             wide * thin[starts],
             wide * thin[starts + 1],
-            self._paints[here.row][agents],
+            self._paints(here.time).take(agents, axis=0),
             alpha[starts] * strong,
             alpha[starts + 1] * strong,
             group=agents + 1,
         )
+        return self._cut(rows, agents)
 
-    def _on_screen(self, camera: Camera, first: int, last: int) -> np.ndarray:
-        """Map knots to pixels [knot, agent, 2]: all of them, once, when a camera comes a second time, for then it is still."""
-        assert self._knots is not None
-        known, line = self._line
-        if known is not camera:
-            self._line = camera, None
-            return camera.place(self._knots[first:last])
-        if line is None:
-            line = camera.place(self._knots)
-            self._line = camera, line
-        return line[first:last]
+    def _segments(
+        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Give both ends of pieces of trails on the screen. line: [point, agent, dim], m; starts: numbers of first points."""
+        pixels = camera.place(line).reshape(-1, 2)
+        start = starts * self.paths.count + agents
+        a, b = pixels.take(start, axis=0), pixels.take(start + self.paths.count, axis=0)
+        if self.paths.period is not None:  # seen from an orbit, nothing is drawn across the edge
+            far = np.abs(line[starts + 1, agents] - line[starts, agents]) > self.paths.period[agents] / 2
+            b = np.where((far & (self.paths.period[agents] > 0)).any(axis=1)[:, None], a, b)
+        return a, b
 
-    def _prey(self, here: Now, camera: Camera) -> list[np.ndarray]:
+    def _pieces(
+        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera, around: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Give the same in periodic worlds, where a piece across the edge is seen on both sides of it."""
+        assert self.paths.period is not None
+        a, period = line[starts, agents, :2], self.paths.period[agents, :2]
+        step = line[starts + 1, agents, :2] - a
+        step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
+        half = np.abs(step) / 2
+        copies, shift = images(a + step / 2, around[agents] + np.concatenate([-half, half], axis=1), period)
+        own, a, step = camera.of(agents[copies]), a[copies] + shift, step[copies]
+        return own.place(a), own.place(a + step), agents[copies], starts[copies]
+
+    def _prey(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw prey as drops, round in front; their state shows on them."""
-        agents, reach, paints = self._shown(here, True, camera)
-        if not len(agents):
+        rows = np.arange(here.prey)
+        if not len(rows):
             return []
-        centre, heading, long = here.centre[agents], here.heading[agents], reach[:, None]
+        reach, paints = reach[rows], paints[rows]
+        centre, heading, long = here.centre[rows], here.heading[rows], reach[:, None]
         nose, tail, edge = centre + heading * 0.35 * long, centre - heading * 1.9 * long, np.maximum(0.28 * reach, 1.0)
         alpha, edges, dye = self._twice(paints, edge)
         slim = np.concatenate([0.25 * reach, 0.22 * reach])
-        return [
-            capsules(_doubled(nose), _doubled(tail), _doubled(reach) + edges, slim + edges, dye, alpha),
-            *self._states(self.paths.state[here.row][agents], nose, reach, paints),
-        ]
+        drops = capsules(_doubled(nose), _doubled(tail), _doubled(reach) + edges, slim + edges, dye, alpha)
+        states = self.paths.states(here.time)[here.who[rows]]
+        layers = [(drops, _doubled(rows)), *self._states(states, rows, nose, reach, paints)]
+        return [self._layer(shapes, each, here) for shapes, each in layers]
+
+    def _layer(self, shapes: np.ndarray, rows: np.ndarray, here: Now) -> Layer:
+        """Cut shapes to their windows; rows: the rows of `here` that they belong to."""
+        return self._cut(shapes, here.who[rows]), rows
 
     def _twice(self, paints: np.ndarray, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Give opacity, width of the edge and colour of agents' outlines, followed by those of the agents themselves."""
@@ -174,48 +213,52 @@ class Scene:
         outline[:] = self.theme["outline"]
         return alpha, np.concatenate([edge, np.zeros_like(edge)]), np.concatenate([outline, paints])
 
-    def _states(self, states: np.ndarray, nose: np.ndarray, reach: np.ndarray, paints: np.ndarray) -> list[np.ndarray]:
+    def _states(
+        self, states: np.ndarray, rows: np.ndarray, nose: np.ndarray, reach: np.ndarray, paints: np.ndarray
+    ) -> list[Layer]:
         """Mark who is not calm: a bright head; for any state but alarmed a ring too, wide and glowing when exploding."""
-        rows = []
-        stirred = states != "calm"
+        layers = []
+        stirred, acting = states >= ALARMED, states >= ACTING
         if stirred.any():
-            rows.append(discs(nose[stirred], reach[stirred] * 0.42, self.theme["alarm"], 0.9))
-        acting = stirred & (states != "alarmed")
+            layers.append((discs(nose[stirred], reach[stirred] * 0.42, self.theme["alarm"], 0.9), rows[stirred]))
         if acting.any():
-            wild = np.where(states[acting] == "exploding", 1.0, 0.0)
+            wild = np.where(states[acting] == EXPLODING, 1.0, 0.0)
             size = reach[acting] * (2.1 + 0.6 * wild)
-            rows.append(discs(nose[acting], size, paints[acting], 0.3 * wild, soft=size))
-            rows.append(rings(nose[acting], size, 1.3 * self.unit, paints[acting], 0.9))
-        return rows
+            layers.append((discs(nose[acting], size, paints[acting], 0.3 * wild, soft=size), rows[acting]))
+            layers.append((rings(nose[acting], size, 1.3 * self.unit, paints[acting], 0.9), rows[acting]))
+        return layers
 
-    def _predators(self, here: Now, camera: Camera) -> list[np.ndarray]:
-        """Draw predators as swept darts."""
-        agents, reach, paints = self._shown(here, False, camera)
-        if not len(agents):
+    def _predators(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
+        """Draw predators as swept darts, with a dot in the colour of the cluster that each chases."""
+        rows = np.arange(here.prey, len(here.who))
+        if not len(rows):
             return []
-        centre, heading = here.centre[agents], here.heading[agents]
+        reach, paints = reach[rows], paints[rows]
+        centre, heading = here.centre[rows], here.heading[rows]
         length, width, edge = 1.75 * reach, 1.25 * reach, np.maximum(0.3 * reach, 1.0)
         alpha, edges, dye = self._twice(paints, edge)
         notch = np.concatenate([0.55 * length, 0.8 * length])
-        return [
-            darts(
-                _doubled(centre),
-                _doubled(heading),
-                _doubled(length) + 2 * edges,
-                _doubled(width) + 1.3 * edges,
-                notch,
-                dye,
-                alpha,
-            )
-        ]
+        twice, ahead = _doubled(centre), _doubled(heading)
+        shapes = darts(twice, ahead, _doubled(length) + 2 * edges, _doubled(width) + 1.3 * edges, notch, dye, alpha)
+        layers = [(shapes, _doubled(rows))]
+        group = self.paths.groups(here.time)[here.who[rows]]
+        chasing = group >= 0
+        if chasing.any():
+            spots, size = (centre + heading * 0.1 * reach[:, None])[chasing], 0.5 * reach[chasing]
+            hues = self._swatch[group[chasing] % len(self._swatch)]
+            layers.append((discs(spots, 1.3 * size, self.theme["outline"], 0.9), rows[chasing]))
+            layers.append((discs(spots, size, hues), rows[chasing]))
+        return [self._layer(each, own, here) for each, own in layers]
 
     def _shadows(self, here: Now, camera: Camera) -> np.ndarray:
         """Drop the agents' shadows on the ground of a 3-D world."""
-        spots = here.spot[here.seen, :2]
-        if not len(spots):
-            return NONE
-        size = np.maximum(self._reach(True, camera) * camera.nearness(spots), SMALLEST)
-        return discs(camera.place(spots), size, self.theme["shadow"], 0.5 * self.theme.shadow_alpha, soft=size)
+        spots, own = here.spot[here.who, :2], camera.of(here.who)
+        size = np.maximum(
+            np.maximum(self._radius[here.who] * camera.scale, self._least[here.who]) * own.nearness(spots), SMALLEST
+        )
+        return self._cut(
+            discs(own.place(spots), size, self.theme["shadow"], 0.5 * self.theme.shadow_alpha, soft=size), here.who
+        )
 
 
 def _doubled(rows: np.ndarray) -> np.ndarray:

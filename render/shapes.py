@@ -2,7 +2,8 @@
 
 A shape is a row of COLUMNS float32 numbers. Lengths are pixels, x to the right and y down from the top left corner; colours
 are linear light. Shapes are drawn in the order of their rows. Rows that follow each other with the same group above zero are
-joined (the strongest counts) and blended once, so that a trail of many capsules has no beads where they meet.
+joined (the strongest counts) and blended once, so that a trail of many capsules has no beads where they meet. WINDOW is the
+number of the window that a shape is cut to; its BOUNDS are the canvas's to fill in.
 """
 
 from collections.abc import Sequence
@@ -10,8 +11,8 @@ from functools import cache
 
 import numpy as np
 
-KIND, GROUP, PLACE, SIZE, TWEAK, SOFT, STROKE, PAINT, ALPHA, BOUNDS = 0, 1, 2, 6, 8, 9, 10, 11, 14, 16
-COLUMNS = 20
+KIND, GROUP, PLACE, SIZE, TWEAK, SOFT, STROKE, PAINT, ALPHA, WINDOW, BOUNDS = 0, 1, 2, 6, 8, 9, 10, 11, 14, 16, 17
+COLUMNS = 21
 
 CAPSULE, DART, BOX, SPRITE = 0, 1, 2, 3
 
@@ -59,32 +60,16 @@ def _points(given) -> np.ndarray:
     return given if isinstance(given, np.ndarray) and given.ndim == 2 else np.atleast_2d(given)
 
 
-def _bound(rows: np.ndarray, low: np.ndarray, high: np.ndarray, reach) -> np.ndarray:
-    """Store whole-pixel bounds: `reach`, a number or [shape], around the boxes from low to high [shape, 2]."""
-    around = reach[:, None] if isinstance(reach, np.ndarray) else reach
-    rows[:, BOUNDS : BOUNDS + 2] = np.floor(low - around)
-    rows[:, BOUNDS + 2 : BOUNDS + 4] = np.ceil(high + around)
-    return rows
-
-
-def _edge(soft, stroke):
-    """Give how far beyond its outline a shape still tints pixels."""
-    return soft * 0.5 + stroke + 0.5
-
-
 def capsules(a, b, radius_a, radius_b, paint, alpha_a=1.0, alpha_b=None, group=0, soft=1.0, stroke=0.0) -> np.ndarray:
     """Draw tapered capsules from points a to points b: [shape, 2]; every other argument is one number or [shape].
 
     A stroke above zero is half the width of an outline, drawn instead of the filled shape.
     """
-    low = high = a = _points(a)
-    if b is not a:
-        b = _points(b)
-        low, high = np.minimum(a, b), np.maximum(a, b)
+    a, b = _points(a), _points(b)
     rows = _rows(CAPSULE, len(a), paint, alpha_a, alpha_a if alpha_b is None else alpha_b, group, soft, stroke)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = a, b
     rows[:, SIZE], rows[:, SIZE + 1] = radius_a, radius_b
-    return _bound(rows, low, high, np.maximum(radius_a, radius_b) + _edge(soft, stroke))
+    return rows
 
 
 def discs(centre, radius, paint, alpha=1.0, group=0, soft=1.0) -> np.ndarray:
@@ -109,7 +94,7 @@ def darts(centre, heading, length, width, notch, paint, alpha=1.0) -> np.ndarray
     rows = _rows(DART, len(centre), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = centre, heading
     rows[:, SIZE], rows[:, SIZE + 1], rows[:, TWEAK] = length, width, notch
-    return _bound(rows, centre, centre, np.hypot(length, width) + _edge(1.0, 0.0))
+    return rows
 
 
 def boxes(low, high, paint, alpha_top=1.0, alpha_bottom=None, corner=0.0, soft=1.0, stroke=0.0) -> np.ndarray:
@@ -119,7 +104,7 @@ def boxes(low, high, paint, alpha_top=1.0, alpha_bottom=None, corner=0.0, soft=1
     rows[:, PLACE : PLACE + 2] = (low + high) / 2
     rows[:, SIZE : SIZE + 2] = (high - low) / 2
     rows[:, TWEAK] = np.minimum(corner, rows[:, SIZE : SIZE + 2].min(axis=1))
-    return _bound(rows, low, high, _edge(soft, stroke))
+    return rows
 
 
 def sprites(corner, size, source, paint, alpha=1.0) -> np.ndarray:
@@ -127,18 +112,5 @@ def sprites(corner, size, source, paint, alpha=1.0) -> np.ndarray:
     corner = np.atleast_2d(corner)
     rows = _rows(SPRITE, len(corner), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = corner, source
-    rows[:, BOUNDS : BOUNDS + 2] = corner
-    rows[:, BOUNDS + 2 : BOUNDS + 4] = corner + np.asarray(size)
+    rows[:, SIZE : SIZE + 2] = size
     return rows
-
-
-def clipped(rows: np.ndarray, windows: np.ndarray) -> np.ndarray:
-    """Cut bounds to windows (x0, y0, x1, y1), one for all or [shape, 4]; drop shapes that lie outside or cannot be seen."""
-    bounds = rows[:, BOUNDS : BOUNDS + 4].copy()
-    np.maximum(bounds[:, :2], windows[..., :2], out=bounds[:, :2])
-    np.minimum(bounds[:, 2:], windows[..., 2:], out=bounds[:, 2:])
-    seen = (bounds[:, 2] > bounds[:, 0]) & (bounds[:, 3] > bounds[:, 1]) & ((rows[:, ALPHA] > 0) | (rows[:, ALPHA + 1] > 0))
-    chosen = np.flatnonzero(seen)  # numbers are faster to take by than truths
-    kept = rows.take(chosen, axis=0)
-    kept[:, BOUNDS : BOUNDS + 4] = bounds.take(chosen, axis=0)
-    return kept

@@ -1,122 +1,186 @@
-"""A stage: one recording, or several side by side, on one canvas, with their cameras and captions."""
+"""A stage: one subject, or several side by side, on one canvas, with their cameras and captions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from render.camera import Operator, View, bounds, fitted, operator
+from render import world
+from render.camera import Camera, Operator, Orbit, View, bounds, fitted, heights, joint, operator
 from render.layout import Box, layout
+from render.live import Live
 from render.look import Look
 from render.mosaic import Mosaic, cells, labels_of
 from render.panel import Panel
+from render.plate import Plate
 from render.scene import Scene
-from render.shapes import NONE
+from render.shapes import NONE, WINDOW
 from render.strip import Strip
 from render.text import Atlas
-from render.timeline import times
+from render.timeline import length, times
+from render.world import Field
 from tiswarm.recording import Recording
 
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
 
-STRAY, STRAY_TOGETHER = 0.5, 0.08
-"""How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared."""
+STRAY, STRAY_TOGETHER = 0.5, 0.04
+"""How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared.
 
-Subject = Recording | Sequence[Recording]
+Starts are always shown."""
+
+Subject = Recording | Live | Sequence[Recording | Live]
 
 
 class Stage:
-    """What a film of one recording, or of several, shows."""
+    """What a film of one subject, or of several, shows."""
 
-    def __init__(self, subject: Subject, size: tuple[int, int], look: Look, *, yuv: bool, labels: Sequence[str] | None = None):
+    def __init__(
+        self,
+        subject: Subject,
+        size: tuple[int, int],
+        look: Look,
+        *,
+        yuv: bool,
+        labels: Sequence[str] | None = None,
+        field: Field | None = None,
+    ):
         """Set everything up; a still camera's ground is laid once and for all.
 
-        labels: names of several recordings, by default what tells them apart.
+        labels: names of several subjects, by default what tells them apart. field: arrows to draw on the ground.
 
-        Errors: ValueError for no recording, or another number of labels than recordings.
+        Errors: ValueError for no subject, another number of labels than subjects, or a live simulation that is to be looked
+        ahead in.
         """
         from render.canvas import Canvas
 
-        recordings = [subject] if isinstance(subject, Recording) else list(subject)
-        if not recordings:
+        subjects = [subject] if isinstance(subject, Recording | Live) else list(subject)
+        if not subjects:
             raise ValueError("recordings: there are none; give one or more")
-        if labels is not None and len(labels) != len(recordings):
-            raise ValueError(f"labels: {len(labels)} do not fit {len(recordings)} recordings; give one each")
-        self._look, self._backdrop = look, look.colours["backdrop"]
+        if labels is not None and len(labels) != len(subjects):
+            raise ValueError(f"labels: {len(labels)} do not fit {len(subjects)} recordings; give one each")
+        self.is_live = not all(isinstance(each, Recording) for each in subjects)
+        if look.slow and self.is_live:
+            raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
+        self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
         self._atlas = Atlas(look.colours.type_weight)
-        self.views: list[tuple[Scene, Operator, Box]] = []
         self.caption: Panel | Mosaic | None = None
-        if isinstance(subject, Recording):
+        if isinstance(subject, Recording | Live):
             self._single(subject, size)
         else:
-            self._several(recordings, size, labels or labels_of(recordings))
-        self._still = all(held.still for _, held, _ in self.views)
-        edges = [(np.floor(b.left), np.floor(b.top), np.ceil(b.right), np.ceil(b.bottom)) for _, _, b in self.views]
-        self._windows = np.array([*edges, (0, 0, *size)], np.float32)
+            self._several(subjects, size, labels or labels_of(subjects))
+        self._still = all(each.still for each in self.operators)
+        self._joint: Camera | None = None
+        self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
-            self._lay(0.0)
+            self.canvas.lay(self._backdrop, self._ground(0.0), self._windows)
 
-    @property
-    def scenes(self) -> list[Scene]:
-        """List the scenes."""
-        return [scene for scene, _, _ in self.views]
+    def _cuts(self, size: tuple[int, int]) -> np.ndarray:
+        """Give the windows that shapes are cut to: for each subject one for what moves, then one for its world, and the frame.
 
-    def times(self, fps: int) -> np.ndarray:
-        """List the frames' times [ticks]; several recordings end with the longest."""
-        longest = max((scene.paths for scene in self.scenes), key=lambda paths: paths.ticks)
-        return times(longest, self._look.speed, fps, slow=self._look.slow)
-
-    def frame(self, time: float, out: np.ndarray) -> np.ndarray:
-        """Draw the frame of a time [ticks] into out."""
-        if not self._still:
-            self._lay(time)
-        acts = [scene.frame(time, held.at(time)) for scene, held, _ in self.views]
-        return self.canvas.draw(*self._gather(acts, self.caption.frame(time) if self.caption else NONE), out)
-
-    def _lay(self, time: float) -> None:
-        grounds = [[scene.ground(held.at(time))] for scene, held, _ in self.views]
-        self.canvas.lay(self._backdrop, *self._gather(grounds, self.caption.ground() if self.caption else NONE))
-
-    def _gather(self, acts: list[list[np.ndarray]], caption: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Put the shapes of all views and of the caption into one array, with the window each is cut to.
-
-        What leaves a view must not run into its neighbour's or into the panel.
+        What leaves a view must not run into its neighbour's or into the panel. What leaves a periodic world comes back on the
+        other side, and must not be seen on both.
         """
-        counts = [sum(len(rows) for rows in act) for act in acts]
-        windows = np.repeat(self._windows, [*counts, len(caption)], axis=0)
-        return np.concatenate([*(rows for act in acts for rows in act), caption]), windows
+        edges = np.array([(b.left, b.top, b.right, b.bottom) for b in self.boxes])
+        edges = np.concatenate([np.floor(edges[:, :2]), np.ceil(edges[:, 2:])], axis=1)
+        inner = edges.copy()
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+            camera, extent = held.at(0.0), subject.scenario.world
+            if extent.boundary == "periodic" and held.still and not isinstance(camera, Orbit):
+                a, b = camera.place(np.array([(0, 0), extent.size[:2]], float))
+                inner[n, :2] = np.maximum(edges[n, :2], np.minimum(a, b))
+                inner[n, 2:] = np.minimum(edges[n, 2:], np.maximum(a, b))
+        return np.concatenate([inner, edges, [(0, 0, *size)]]).round().astype(np.float32)
 
-    def _single(self, recording: Recording, size: tuple[int, int]) -> None:
-        unit = layout(size, recording.scenario.world.size[:2]).unit
-        scene = Scene(recording, self._look, self._atlas, unit)
-        view = _view([scene], STRAY)
+    def times(self, fps: int) -> Iterator[float]:
+        """Give the frames' times [ticks]; several subjects end with the longest."""
+        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+
+    def length(self, fps: int) -> int:
+        """Count the frames: of a live simulation, which may end early, the most there can be."""
+        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+
+    def frame(self, time: float, out: Plate) -> np.ndarray:
+        """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
+        shapes = np.concatenate([self.scene.frame(time, self._camera(time), self._windows), self._captioned(time)])
+        if self._still:
+            return self.canvas.draw(shapes, self._windows, out)
+        return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
+
+    def _camera(self, time: float) -> Camera:
+        """Give the camera for all agents."""
+        if self._joint is None or not self._still:
+            self._joint = joint([each.at(time) for each in self.operators], self.scene.paths.scene)
+        return self._joint
+
+    def _captioned(self, time: float) -> np.ndarray:
+        return self._in_frame(self.caption.frame(time)) if self.caption else NONE
+
+    def _in_frame(self, rows: np.ndarray) -> np.ndarray:
+        rows[:, WINDOW] = 2 * len(self.boxes)
+        return rows
+
+    def _ground(self, time: float) -> np.ndarray:
+        """Draw what stands still, as the cameras see it at a time."""
+        grounds = []
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+            window = len(self.boxes) + n
+            images = self._images(subject, held, time, self._windows[window])
+            box = self._windows[window] if len(images) > 1 else None
+            grounds.append(world.ground(subject, self._look.colours, self._atlas, self.scene.unit, images, box, self._field))
+            grounds[-1][:, WINDOW] = window
+        return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
+
+    @staticmethod
+    def _images(subject: Recording | Live, held: Operator, time: float, window: np.ndarray) -> list[Camera]:
+        """Give a camera for each image of a world that can be seen: several where one follows through a periodic world."""
+        camera, extent = held.at(time), subject.scenario.world
+        if held.still or extent.boundary != "periodic" or isinstance(camera, Orbit):
+            return [camera]
+        size, images = np.array(extent.size[:2], float), []
+        for turn in ((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)):
+            moved = replace(camera, centre=camera.centre - size * turn)
+            a, b = moved.place(np.array([(0, 0), size]))
+            if (np.maximum(a, b) > window[:2]).all() and (np.minimum(a, b) < window[2:]).all():
+                images.append(moved)
+        return images
+
+    def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
+        unit = layout(size, _extent(subject)).unit
+        self.scene = Scene([subject], self._look, unit)
+        view = self._view(STRAY)
         plan = layout(size, (view.reach.width, view.reach.height))
-        self.views = [(scene, operator(self._look, scene.paths, view, plan.stage), plan.stage)]
+        self.boxes = [plan.stage]
+        self.operators = [operator(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
-            self.caption = (Strip if plan.form == "strip" else Panel)(scene, plan, self._atlas)
+            self.caption = (Strip if plan.form == "strip" else Panel)(self.scene, plan, self._atlas)
 
-    def _several(self, recordings: list[Recording], size: tuple[int, int], labels: Sequence[str]) -> None:
+    def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = min(size) / 720
-        rough = cells(size, len(recordings), recordings[0].scenario.world.size[:2], unit)
+        rough = cells(size, len(subjects), _extent(subjects[0]), unit)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        scenes = [Scene(recording, self._look, self._atlas, small, knots=1) for recording in recordings]
-        view = _view(scenes, STRAY_TOGETHER)
-        places = cells(size, len(recordings), (view.reach.width, view.reach.height), unit)
-        self.views = [(s, operator(self._look, s.paths, view, box), box) for s, box in zip(scenes, places, strict=True)]
+        self.scene = Scene(subjects, self._look, small, knots=1)
+        view = self._view(STRAY_TOGETHER)
+        self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), unit)
+        self.operators = [operator(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
         # Labels stand right above what is drawn, which seldom fills its cell both ways.
-        above = [_shown(view, box) for box in places]
-        self.caption = Mosaic(scenes, above, labels, size, self._atlas, unit)
+        above = [_shown(view, box) for box in self.boxes]
+        self.caption = Mosaic(self.scene, above, labels, size, self._atlas, unit)
+
+    def _view(self, stray: float) -> View:
+        """Find the worlds of all subjects and whatever moves there."""
+        subjects = self.scene.subjects
+        worlds = [Box(0, 0, *_extent(subject)) for subject in subjects]
+        floors, tops = zip(*(heights(subject) for subject in subjects), strict=True)
+        reached = [bounds(self.scene.paths, n, stray) for n in range(len(subjects))]
+        return View(_around(worlds), _around(reached), min(floors), max(tops))
 
 
-def _view(scenes: list[Scene], stray: float) -> View:
-    """Find the worlds of all scenes and whatever moves there."""
-    reached, worlds = [], []
-    for scene in scenes:
-        scenario = scene.recording.scenario
-        worlds.append(Box(0, 0, *scenario.world.size[:2]))
-        reached.append(bounds(scenario.world.size, scene.paths, max(scenario.prey.radius, scenario.predators.radius), stray))
-    return View(_around(worlds), _around(reached))
+def _extent(subject: Recording | Live) -> tuple[float, float]:
+    """Give a world's width and height [m]."""
+    width, height = subject.scenario.world.size[:2]
+    return width, height
 
 
 def _around(boxes: list[Box]) -> Box:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from render.caption import introduced
 from render.layout import Box
-from render.panel import FATES, INSET, Panel
+from render.panel import INSET, Panel
 from render.shapes import Colour, boxes
 from render.text import width, wrapped
 
@@ -26,8 +27,7 @@ class Strip(Panel):
     def _place(self, box: Box) -> None:
         unit = self._unit
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        self._names = [*FATES, *(["predators"] if self._scene.recording.predators.count else [])]
-        wide = len(self._names) * (COLUMN + GAP) - GAP
+        wide = len(self._counters) * (COLUMN + GAP) - GAP
         self._first = self._box.right - (CLOCK + APART + wide) * unit
         room = int(self._first - APART * unit - self._box.left)
         self._headed(room)
@@ -36,7 +36,7 @@ class Strip(Panel):
 
     def _headed(self, room: int) -> None:
         """Write the title on one line, or smaller on two, and the source behind it where there is room."""
-        scenario, unit = self._scene.recording.scenario, self._unit
+        scenario, unit = self._subject.scenario, self._unit
         size, y, lines = 22, [23], wrapped(scenario.title, self._px(22), room, 1)
         if lines[0].endswith("…"):
             size, y, lines = 18, [12, 33], _evenly(scenario.title, self._px(18), room)
@@ -51,17 +51,10 @@ class Strip(Panel):
 
     def _peopled(self, room: int) -> None:
         """Write who plays, in as many words as there is room for."""
-        recording = self._scene.recording
-        both = (
-            ("prey", "prey", recording.prey.count, recording.scenario.prey),
-            ("predator", "predators", recording.predators.count, recording.scenario.predators),
-        )
-        words = []
-        for name, plural, count, agents in both:
-            if count:
-                who = f"{count:,} {name if count == 1 else plural}".replace(",", " ")
-                ways = [f"{agents.strategy} · {agents.avoidance}", agents.strategy, ""]
-                words.append((name, who, ways[agents.avoidance == "none" :]))
+        words = [
+            (name, who, [f"{strategy} · {avoidance}"] * bool(avoidance) + [strategy, ""])
+            for name, who, strategy, avoidance in introduced(self._scene)
+        ]
         small, icon, gap = self._px(13), 26 * self._unit, 26 * self._unit
         for short in range(3):
             chosen = [(name, who, ways[min(short, len(ways) - 1)]) for name, who, ways in words]
@@ -76,8 +69,8 @@ class Strip(Panel):
             x += wide + gap
 
     def _counter_labels(self) -> None:
-        for n, name in enumerate(self._names):
-            self._still.append(self._write(name, self._counter(n), self._box.top + 41 * self._unit, 13, "quiet"))
+        for n, counter in enumerate(self._counters):
+            self._still.append(self._write(counter.name, self._counter(n), self._box.top + 41 * self._unit, 13, "quiet"))
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
 
     def _counter(self, n: int) -> float:
@@ -93,10 +86,10 @@ class Strip(Panel):
         return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, size, paint, tabular=True)
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        recording, unit, right = self._scene.recording, self._unit, self._box.right
-        digits = f"{min(time, self._scene.paths.ticks) * recording.scenario.world.dt:.1f}"
+        subject, unit, right = self._subject, self._unit, self._box.right
+        digits = f"{min(time, self._scene.paths.last) * subject.scenario.world.dt:.1f}"
         base, end = self._box.top + 29 * unit, right - width("s", self._px(16)) - 5 * unit
-        which = f"trial {recording.trial} · seed {recording.seed}"
+        which = f"trial {subject.trial} · seed {subject.seed}"
         return [
             self._write(digits, end, base, 38, "ink", "right", tabular=True),
             self._write("s", right, base, 16, "quiet", "right"),

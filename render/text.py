@@ -1,7 +1,7 @@
 """Set type: strings rasterised once by Pillow's FreeType into an atlas, from which the canvas draws them as sprites."""
 
 import unicodedata
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ def _face(size: int) -> Any:
     return ImageFont.load_default(size)
 
 
+@lru_cache(4096)
 def width(text: str, size: int, *, tabular: bool = False) -> int:
     """Measure a line of text [px]."""
     if tabular:

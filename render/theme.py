@@ -17,7 +17,8 @@ class Theme:
     ink: str  # text that matters
     quiet: str  # text that accompanies
     prey: tuple[str, ...]  # the swarm, then its sub-swarms in turn
-    predator: tuple[str, ...]
+    predator: str
+    sky: tuple[str, str]  # overhead and at the horizon, of a world without ground
     alarm: str  # mixed into alarmed prey
     target: str
     obstacle: str
@@ -49,7 +50,8 @@ DARK = Theme(
     ink="#edf1f7",
     quiet="#8492a8",
     prey=("#5cc0f5", "#dd93c4", "#f2e66b", "#58d6b0"),
-    predator=("#f26d2c", "#f2a12c", "#e8558a", "#d6c14a"),
+    predator="#f26d2c",
+    sky=("#0b1422", "#24405f"),
     alarm="#ffffff",
     target="#27c498",
     obstacle="#3d4a60",
@@ -77,7 +79,8 @@ LIGHT = Theme(
     ink="#1b2430",
     quiet="#6b7480",
     prey=("#0072b2", "#b0508c", "#8a7a00", "#008f68"),
-    predator=("#d55e00", "#c88600", "#b8215f", "#8f7a00"),
+    predator="#d55e00",
+    sky=("#d3e4f2", "#f6f3ea"),
     alarm="#00344f",
     target="#009e73",
     obstacle="#a9adb5",
@@ -105,7 +108,8 @@ PRINT = Theme(
     ink="#000000",
     quiet="#555555",
     prey=("#0072b2", "#b0508c", "#7a6c00", "#007a59"),
-    predator=("#d55e00", "#a86f00", "#a01850", "#7a6c00"),
+    predator="#d55e00",
+    sky=("#ffffff", "#ffffff"),
     alarm="#00344f",
     target="#009e73",
     obstacle="#c8c8c8",

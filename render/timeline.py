@@ -1,8 +1,11 @@
-"""When: which time of the recording each frame of a film shows."""
+"""When: which time of a subject each frame of a film shows."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from render.motion import Motion
+from tiswarm.recording import Recording
 
 HOLD = 1.0
 """How long the last state stays on the screen [s]."""
@@ -14,26 +17,51 @@ AROUND = 0.5
 """How long before and after a capture slow motion lasts, at full speed [s of film]."""
 
 
-def times(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> np.ndarray:
-    """List the frames' times [ticks]; past the recording's last tick the picture stands still and flashes fade.
+def times(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> Iterator[float]:
+    """Give the frames' times [ticks]; past the last tick the picture stands still and flashes fade.
 
-    speed: ticks per second of film. slow: slow down around captures of prey.
+    speed: ticks per second of film. slow: slow down around captures of prey, which only recordings know beforehand.
 
     Errors: ValueError for fewer than one frame per second.
     """
     if fps < 1:
         raise ValueError(f"fps: {fps} is not possible; use 1 or more")
-    length = paths.ticks / speed
+    return _times(paths, speed, fps, slow)
+
+
+def length(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> int:
+    """Count the frames: for a live simulation, which may end early, the most there can be."""
+    moving = len(_slowed(paths, speed, fps)) if slow else int(np.ceil(paths.last / speed * fps))
+    return moving + max(round(HOLD * fps), 1)
+
+
+def _times(paths: Motion, speed: float, fps: int, slow: bool) -> Iterator[float]:
     if slow:
-        captures = paths.end[(paths.fate == "captured") & paths.is_prey] / speed
-        steady = np.arange(0, length, 1 / (4 * fps))
-        pace = np.array([_pace(each, captures) for each in steady])
-        reached = np.concatenate([[0], np.cumsum(1 / (4 * fps) / pace)])
-        frames = np.arange(0, reached[-1], 1 / fps)
-        shown = np.interp(frames, reached, np.append(steady, length))
+        yield from _slowed(paths, speed, fps) * speed
     else:
-        shown = np.arange(int(np.ceil(length * fps))) / fps
-    return np.concatenate([shown, length + np.arange(max(round(HOLD * fps), 1)) / fps]) * speed
+        for n in range(int(np.ceil(paths.last / speed * fps))):
+            if not paths.reach(n / fps * speed):  # a live simulation may end before it has run its ticks
+                break
+            yield n / fps * speed
+    paths.reach(paths.last)
+    for n in range(max(round(HOLD * fps), 1)):
+        yield (paths.last / speed + n / fps) * speed
+
+
+def _slowed(paths: Motion, speed: float, fps: int) -> np.ndarray:
+    """List the times until the last tick [s at full speed]."""
+    end, captures = paths.last / speed, _captures(paths) / speed
+    steady = np.arange(0, end, 1 / (4 * fps))
+    pace = np.array([_pace(each, captures) for each in steady])
+    reached = np.concatenate([[0], np.cumsum(1 / (4 * fps) / pace)])
+    return np.interp(np.arange(0, reached[-1], 1 / fps), reached, np.append(steady, end))
+
+
+def _captures(paths: Motion) -> np.ndarray:
+    """List the ticks at which prey of recordings are captured."""
+    preys = [subject.prey for subject in paths.subjects if isinstance(subject, Recording)]
+    ends = [np.isfinite(prey.position[:, prey.fate == "captured", 0]).sum(axis=0) for prey in preys]
+    return np.concatenate(ends).astype(float)
 
 
 def _pace(now: float, captures: np.ndarray) -> float:

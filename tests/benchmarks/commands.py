@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tiswarm.results import processor
 
-COMMANDS = (("--help",), ("presets",), ("bench", "delft", "--quiet"), ("demo", "--quiet"))
+COMMANDS = (("--help",), ("presets",), ("bench", "delft", "--fresh", "--quiet"), ("demo", "--quiet"))
 WARM_ROUNDS = 3
 OUT = Path("out/benchmarks/commands.csv")
 

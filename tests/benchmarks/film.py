@@ -27,7 +27,7 @@ from tiswarm.recording import Recording, Swarm
 
 SIZE = (1920, 1080)
 FPS = 60
-READY = 120
+READY, PIECE = 120, 12
 
 
 def best(*works: Callable[[], object], runs: int = 3) -> list[float]:
@@ -65,9 +65,12 @@ def crowd(agents: int, ticks: int = 12) -> Recording:
 def rasterised(subject: Recording | list[Recording], **look: object) -> float:
     """Give frames per second of rasterising to planar YUV, spread over the whole film."""
     stage = Stage(subject, SIZE, Look(**look), yuv=True)  # type: ignore[arg-type]
-    moments = stage.times(FPS)
-    moments = moments[moments < max(scene.paths.ticks for scene in stage.scenes)]
-    moments = moments[:: max(len(moments) // READY, 1)][:READY]
+    moments = [moment for moment in stage.times(FPS) if moment < stage.scene.paths.last]
+    pieces = min(
+        READY // PIECE, max(len(moments) // PIECE, 1)
+    )
+    starts = np.linspace(0, max(len(moments) - PIECE, 0), pieces).astype(int)
+    moments = [moment for start in starts for moment in moments[start : start + PIECE]]
     out = stage.canvas.blank()
     drawn = {stage.frame(moment, out).tobytes() for moment in moments[::20]}
     assert len(drawn) == len(moments[::20]), "frames of different times must differ"
@@ -82,21 +85,25 @@ def rasterised(subject: Recording | list[Recording], **look: object) -> float:
 def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, float]:
     """Give frames per second of a whole film, and of the same encoder fed with frames that were made before."""
     stage = Stage(recording, SIZE, Look(), yuv=True)
-    moments = stage.times(FPS)[len(stage.times(FPS)) // 3 :][:READY]
-    ready = [stage.frame(moment, stage.canvas.blank()).copy() for moment in moments]
+    moments = list(stage.times(FPS))[stage.length(FPS) // 3 :][:READY]
+    ready = [stage.canvas.blank() for _ in moments]
+    for moment, plate in zip(moments, ready, strict=True):
+        stage.frame(moment, plate)
     path = folder / "film.mp4"
     form = format_of(path, quality)
 
     def whole() -> None:
-        with encoder(path, SIZE, FPS, form, {}) as reel:
+        with encoder(path, SIZE, FPS, form, {}, stage.canvas.blank) as reel:
             for moment in moments:
-                reel.put(stage.frame(moment, reel.blank()))
+                plate = reel.blank()
+                stage.frame(moment, plate)
+                reel.put(plate)
 
     def alone() -> None:
-        with encoder(path, SIZE, FPS, form, {}) as reel:
-            for frame in ready:
+        with encoder(path, SIZE, FPS, form, {}, stage.canvas.blank) as reel:
+            for plate in ready:
                 reel.blank()
-                reel.put(frame)
+                reel.put(plate)
 
     film, swallowed = (len(moments) / seconds for seconds in best(whole, alone))
     assert path.stat().st_size > 10_000
@@ -116,8 +123,9 @@ def matplotlib_film(recording: Recording, quality: str, folder: Path, frames: in
 
     mpl.rcParams["animation.ffmpeg_path"] = imageio_ffmpeg.get_ffmpeg_exe()
     stage = Stage(recording, SIZE, Look(), yuv=True)
-    paths = stage.scenes[0].paths
-    moments = stage.times(FPS)[len(stage.times(FPS)) // 3 :][:frames]
+    paths = stage.scene.paths
+    moments = list(stage.times(FPS))[stage.length(FPS) // 3 :][:frames]
+    lines = [np.stack([paths.spots(time) for time in np.linspace(max(moment - 25, 0), moment, 50)]) for moment in moments]
     figure, axes = plt.subplots(figsize=(19.2, 10.8), dpi=100)
     axes.set(xlim=(-10, 110), ylim=(-10, 60), aspect="equal", title=recording.scenario.title)
     for centre, radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
@@ -129,8 +137,7 @@ def matplotlib_film(recording: Recording, quality: str, folder: Path, frames: in
     writer = FFMpegWriter(fps=FPS, codec="libx264", extra_args=[*format_of(Path("a.mp4"), quality).output[2:8]])
     start = time.perf_counter()
     with writer.saving(figure, str(folder / "matplotlib.mp4"), dpi=100):
-        for moment in moments:
-            spots = paths.at(np.linspace(max(moment - 25, 0), moment, 50))[0]
+        for moment, spots in zip(moments, lines, strict=True):
             dots.set_offsets(spots[-1])
             trails.set_segments(list(spots.transpose(1, 0, 2)))
             clock.set_text(f"{moment:.1f} s")

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from tiswarm.studies import load_study, run_study
+from tiswarm.designs import load_study
+from tiswarm.sheets import against_published
+from tiswarm.studies import run_study
 
 pytestmark = pytest.mark.usefixtures("f32")
 
@@ -21,7 +23,7 @@ def test_the_study_has_all_46_rows_with_published_figures(report):
 def test_every_row_agrees_with_the_published_one(report):
     for row in report.rows:
         for measure in ("success", "time"):
-            assert abs(row.z(measure)) <= 3.5, f"{row.table.name}/{row.value} {measure}"
+            assert abs(row.z(measure)) <= 3.5, f"{row.cell.table.name}/{row.cell.row} {measure}"
 
 
 def test_the_rows_agree_as_a_whole(report):
@@ -31,14 +33,14 @@ def test_the_rows_agree_as_a_whole(report):
 
 def test_z_uses_both_standard_errors(report):
     row = report.rows[0]
-    values = row.results.success
+    values = row.values("success")
     ours = values.std(ddof=1) / np.sqrt(len(values))
     theirs = 1.35 * values.std(ddof=1) / np.sqrt(1000)
     assert row.z("success") == pytest.approx((values.mean() - row.published["success"]) / np.hypot(ours, theirs))
 
 
 def test_the_csv_has_one_line_a_row(report):
-    lines = report.to_csv().splitlines()
+    lines = against_published(report).splitlines()
     assert len(lines) == 47
     assert lines[0].startswith("table,row,trials,success,success_stderr,success_published,success_z,time")
 

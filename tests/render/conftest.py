@@ -11,8 +11,10 @@ from tiswarm.recording import Recording, Swarm
 Maker = Callable[..., Recording]
 
 
-def swarm(start: np.ndarray, step: np.ndarray, ticks: int, ends: dict[int, tuple[int, str]], state: str = "calm") -> Swarm:
-    """Move agents along slightly curved lines; ends: agent -> (tick at which it is gone, fate)."""
+def swarm(
+    start: np.ndarray, step: np.ndarray, ticks: int, ends: dict[int, tuple[int, str]], state: str = "calm", groups: int = 0
+) -> Swarm:
+    """Move agents along slightly curved lines; ends: agent -> (tick at which it is gone, fate); groups: 0 for none."""
     count, dim = start.shape
     time = np.arange(ticks + 1.0)
     sway = np.zeros((ticks + 1, 1, dim))
@@ -23,14 +25,14 @@ def swarm(start: np.ndarray, step: np.ndarray, ticks: int, ends: dict[int, tuple
     for agent, (tick, name) in ends.items():
         position[tick:, agent] = velocity[tick:, agent] = np.nan
         fate[agent] = name
-    group = np.tile(np.arange(count, dtype=np.int32) % 2, (ticks + 1, 1))
+    group = np.tile(np.arange(count, dtype=np.int32) % groups if groups else np.full(count, -1, np.int32), (ticks + 1, 1))
     return Swarm(position, velocity, fate, np.full((ticks + 1, count), state, dtype="<U12"), group)
 
 
 @pytest.fixture(scope="session")
 def make() -> Maker:
     def recording(
-        prey=6, predators=5, ticks=8, prey_ends=None, predator_ends=None, dim=2, state="alarmed", trial=4
+        prey=6, predators=5, ticks=8, prey_ends=None, predator_ends=None, dim=2, state="alarmed", trial=4, chased=0
     ) -> Recording:
         at = np.arange(max(prey, predators, 1))[:, None]
         home = np.concatenate([60 - 2.0 * at, 20 + 3.0 * at, 5 + 1.0 * at], axis=1)[:prey, :dim]
@@ -40,8 +42,8 @@ def make() -> Maker:
             tiswarm.load("delft/pronav-10"),
             seed=7,
             trial=trial,
-            prey=swarm(home, way, ticks, prey_ends or {}, state),
-            predators=swarm(den, -way, ticks, predator_ends or {}),
+            prey=swarm(home, way, ticks, prey_ends or {}, state, groups=2),
+            predators=swarm(den, -way, ticks, predator_ends or {}, groups=chased),
             obstacle_position=np.array([[30.0, 20.0], [45.0, 40.0]]),
             obstacle_radius=np.array([1.0, 2.0]),
         )

@@ -33,7 +33,7 @@ def paint_near(image: np.ndarray, code: str, tolerance: int = 40) -> int:
 def test_prey_predators_and_target_are_there_to_see(make):
     image = picture(make(state="calm"), 2.5)
     theme = render.THEMES["dark"]
-    for code in (theme.prey[0], theme.predator[0], theme.target):
+    for code in (theme.prey[0], theme.predator, theme.target):
         assert paint_near(image, code) > 10
 
 
@@ -99,7 +99,7 @@ def test_every_look_changes_the_picture(chase, look):
 
 def test_nothing_that_moves_is_drawn_on_the_panel(make):
     stage = Stage(make(prey=30, predators=30, ticks=100), SIZE, Look(), yuv=False)
-    box = stage.views[0][2]
+    box = stage.boxes[0]
     panel = np.ones((270, 480), bool)
     panel[int(box.top) : int(np.ceil(box.bottom)), int(box.left) : int(np.ceil(box.right))] = False
     assert panel.mean() > 0.15
@@ -125,7 +125,7 @@ def test_several_recordings_stand_side_by_side(make, count):
     subjects = [make(trial=n, ticks=4 + n) for n in range(count)]
     assert len(np.unique(picture(subjects, 4.5))) > 20
     stage = Stage(subjects, SIZE, Look(), yuv=False)
-    assert stage.times(10)[-1] >= 4 + count - 1
+    assert list(stage.times(10))[-1] >= 4 + count - 1
 
 
 def test_no_recording_is_refused():
@@ -177,7 +177,7 @@ def test_a_canvas_of_another_size_stands_beside_the_first(make):
 def test_a_wide_world_fills_a_wide_frame(make, size):
     """The caption stands below a world of 100 m x 50 m, which then takes most of the frame, and nobody is cut off."""
     stage = Stage(make(prey=4, predators=0), size, Look(), yuv=False)
-    _, held, box = stage.views[0]
+    held, box = stage.operators[0], stage.boxes[0]
     scale = held.at(0.0).scale
     assert box.width == size[0]
     assert 100 * scale * 50 * scale > 0.55 * size[0] * size[1]
@@ -186,8 +186,8 @@ def test_a_wide_world_fills_a_wide_frame(make, size):
 
 def test_whoever_leaves_the_world_stays_in_the_picture(make):
     stage = Stage(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
-    scene, held, box = stage.views[0]
-    spots = held.at(0.0).place(scene.paths.position).reshape(-1, 2)
+    recording, held, box = stage.scene.subjects[0], stage.operators[0], stage.boxes[0]
+    spots = np.concatenate([held.at(0.0).place(each.position).reshape(-1, 2) for each in (recording.prey, recording.predators)])
     assert (spots > (box.left, box.top)).all()
     assert (spots < (box.right, box.bottom)).all()
 

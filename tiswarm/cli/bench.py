@@ -1,11 +1,12 @@
 """Bench: studies run, printed, written and drawn."""
 
+import importlib.util
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from tiswarm.cli.options import Precision, Quiet, Seed, Threads, WrongInput, out, start
+from tiswarm.cli.options import Precision, Quiet, Sets, StrategyPath, Threads, WrongInput, assignment, out, start
 
 
 def bench(
@@ -13,59 +14,56 @@ def bench(
         str, typer.Argument(metavar="STUDY", help="A study's name (see 'tiswarm presets') or the path of its TOML file.")
     ],
     trials: Annotated[
-        int | None, typer.Option("--trials", metavar="N", help="Trials per row; the study's own number when left out.")
+        int | None, typer.Option("--trials", metavar="N", help="Trials per cell; the study's own number when left out.")
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Where to write; out/STUDY when left out.")
     ] = None,
-    seed: Seed = 0,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Throw away what the folder holds, instead of going on with it.")
+    ] = False,
+    per_trial: Annotated[bool, typer.Option("--per-trial", help="Also write trials.csv, a line for every trial.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="Also write the tables as Parquet.")] = False,
+    figures: Annotated[
+        str | None,
+        typer.Option("--figures", metavar="A,B", help="Any of bars, heat, pairs, scatter; none; the study's when left out."),
+    ] = None,
+    sets: Sets = None,
+    strategy_path: StrategyPath = None,
+    seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Seed; the study's own when left out.")] = None,
     threads: Threads = None,
     precision: Precision = "f32",
     quiet: Quiet = False,
 ) -> None:
-    """Run a table against published figures: text, CSV, manifest, bar charts."""
-    from tiswarm import studies, tables
+    """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
+    from tiswarm import designs, sheets, studies, tables
+    from tiswarm.cli import charts
+    from tiswarm.cli.live import watching
+    from tiswarm.contest import contest
+    from tiswarm.results import write_text
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
-    start(seed, threads, precision)
-    report = studies.run_study(study, trials, seed, progress=not quiet)
-    folder = output or Path("out") / report.name
-    report.save(folder)
-    tables.print_rows(report, out)
-    charts = _charts(report, folder)
+    if parquet:
+        sheets.check_parquet()
+    drawn = charts.chosen(figures)
+    start(seed or 0, threads, precision, strategy_path)
+    stated = designs.load_study(study)
+    folder = output or Path("out") / Path(study).stem
+    overrides = dict(assignment(each) for each in sets or [])
+    with watching(not quiet, stated.measures) as (report_trials, finished):
+        report = studies.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
+    sheets.write(report, folder, per_trial, parquet)
+    played = contest(report)
+    if played is not None:
+        write_text(folder / "game.json", played.to_json())
+    tables.print_report(report, out, played)
+    can_draw = importlib.util.find_spec("matplotlib") is not None
+    if can_draw:
+        charts.draw(report, folder, played)
     if not quiet:
-        runs = sum(row.results.trials for row in report.rows)
-        out.print(
-            f"{runs:,} trials in {report.seconds:.1f} s, seed {seed}; written to {folder}"
-            + ("" if charts else " (no charts: pip install 'tiswarm[plot]')")
-        )
-
-
-def _charts(report: Any, folder: Path) -> bool:
-    """Draw one chart per table; tell whether matplotlib was there to do it."""
-    import importlib.util
-
-    import numpy as np
-
-    from tiswarm.results import Z95
-    from tiswarm.studies import MEASURES
-
-    if importlib.util.find_spec("matplotlib") is None:
-        return False
-    from render.figures import Bars, bars
-
-    axes = {"success": "share of prey that arrive", "time": "trial time [s]", "impact_spread": "last minus first arrival [s]"}
-    for table in report.study.tables:
-        rows = [row for row in report.rows if row.table.name == table.name]
-        panels = []
-        for measure in MEASURES:
-            each = [row.estimate(measure) for row in rows]
-            mean, low, high = (np.array([getattr(e, end) for e in each]) for end in ("mean", "low", "high"))
-            published = np.array([row.published.get(measure, np.nan) for row in rows])
-            away = np.array([Z95 * row.published_stderr(measure) for row in rows])
-            names = [row.value for row in rows]
-            panels.append(Bars(measure.replace("_", " "), axes[measure], names, mean, low, high, published, away))
-        note = f"{table.name}: {rows[0].results.trials:,} trials a row, seed {report.seed}"
-        bars(panels, folder / f"{table.name}.png", table.title, note)
-    return True
+        runs = sum(row.trials for row in report.rows)
+        held = len(report.rows) - report.ran
+        note = f" ({held:,} of {len(report.rows):,} cells were there)" if held else ""
+        missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
+        out.print(f"{runs:,} trials in {report.seconds:.1f} s{note}, seed {report.seed}; written to {folder}{missing}")

@@ -28,8 +28,21 @@ from tiswarm.progress import begin_work, reporting
 
 
 def film(
-    source: Annotated[str, typer.Argument(metavar="PRESET|RECORDING", help="A preset to run, or a recording (.npz).")],
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="PRESET|RECORDING|MANIFEST", help="A preset to run, a recording (.npz), or a study's manifest.json."
+        ),
+    ],
     trial: Annotated[int, typer.Option("--trial", metavar="K", help="Number of the trial to film.")] = 0,
+    cell: Annotated[
+        int | None, typer.Option("--cell", metavar="N", help="With a manifest: the cell to film a trial of.")
+    ] = None,
+    worst: Annotated[bool, typer.Option("--worst", help="With a manifest: the cell's trial with the worst outcome.")] = False,
+    median: Annotated[
+        bool, typer.Option("--median", help="With a manifest: the cell's trial with the median outcome.")
+    ] = False,
+    best: Annotated[bool, typer.Option("--best", help="With a manifest: the cell's trial with the best outcome.")] = False,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FILE", help="The film: .mp4, .webm or .gif; out/NAME-TRIAL.mp4 when left out."),
@@ -65,19 +78,45 @@ def film(
     precision: Precision = "f32",
     quiet: Quiet = False,
 ) -> None:
-    """Run one trial and film it, or several at once, or film a recording."""
+    """Run one trial and film it, or several at once, film a recording, or a trial that a study's table counted."""
     import render
 
     look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": _names(overlay), "slow": slow}
     render.Look(**look)  # wrong choices are told before anything runs
     pixels = pair(size, "--size", "1280x720")
-    start(seed, threads, precision, strategy_path)
-    subject, name = _subject(source, sets, trial, seed, grid, versus)
+    picks = [pick for pick, wanted in (("worst", worst), ("median", median), ("best", best)) if wanted]
+    if source.endswith(".json"):
+        if sets or grid or versus or seed:
+            raise WrongInput(f"{source}: a study's trials are what they are; drop --set, --grid, --versus and --seed")
+        from tiswarm.cli.rebuilt import Rebuilt
+
+        study = Rebuilt(Path(source))
+        start(0, threads, study.precision, strategy_path)
+        subject, name = _counted(study, cell, trial, picks, quiet)
+    elif cell is not None or picks:
+        raise WrongInput(f"--cell, --worst, --median, --best: {source} is no manifest; film out/STUDY/manifest.json")
+    else:
+        start(seed, threads, precision, strategy_path)
+        subject, name = _subject(source, sets, trial, seed, grid, versus)
     _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(subject, poster, size=pixels, **look)
     if sheet is not None:
         render.sheet(subject, sheet, **look)
+
+
+def _counted(study: Any, cell: int | None, trial: int, picks: list[str], quiet: bool) -> tuple[Any, str]:
+    """Give a recording of a trial that a study counted, and a name for the file."""
+    if cell is None:
+        raise WrongInput("--cell: missing; name a cell by its number in cells.csv, for example --cell 0")
+    if len(picks) + bool(trial) > 1:
+        raise WrongInput("--trial, --worst, --median, --best: use one of them")
+    if picks:
+        trial = study.picked(cell, picks[0])
+    recording = study.record(cell, trial)
+    if not quiet:
+        out.print(study.described(cell, trial))
+    return recording, study.name(cell, trial)
 
 
 def _names(text: str) -> tuple[str, ...]:

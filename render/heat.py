@@ -1,0 +1,136 @@
+"""Maps of the ground: how crowded it is, and where it was cleaned; the world is divided into cells for them."""
+
+import numpy as np
+
+from render.camera import Camera
+from render.motion import Motion
+from render.now import Now
+from render.shapes import NONE, WINDOW, boxes, colour
+from render.theme import Theme
+
+CELLS, FINE = 96, 192
+"""Cells along the world's longer side: of a heat map, and of cleaned ground."""
+
+FRESH = 8
+"""Cleaned ground shines for about this many ticks."""
+
+
+class Cells:
+    """A world divided into squares, numbered row by row."""
+
+    def __init__(self, size: tuple[float, ...], count: int):
+        """Divide a world of some size [m] into `count` squares along its longer side."""
+        width, height = size[:2]
+        self.edge = max(width, height) / count
+        self.across, self.up = int(np.ceil(width / self.edge)), int(np.ceil(height / self.edge))
+
+    @property
+    def count(self) -> int:
+        """Count the cells."""
+        return self.across * self.up
+
+    def of(self, spots: np.ndarray) -> np.ndarray:
+        """Give the number of each point's cell [...], -1 outside the world. spots: [..., dim], m."""
+        place = np.nan_to_num(spots[..., :2] / self.edge, nan=-1.0)
+        x, y = place[..., 0].astype(np.int32), place[..., 1].astype(np.int32)
+        inside = (place >= 0).all(axis=-1) & (x < self.across) & (y < self.up)
+        return np.where(inside, y * self.across + x, -1)
+
+    def drawn(self, cells: np.ndarray, runs: np.ndarray | int, camera: Camera, paint, alpha) -> np.ndarray:
+        """Draw rows of `runs` cells that begin with some. Edges lie on whole pixels, so that none shows between neighbours."""
+        corner = np.stack([cells % self.across, cells // self.across], axis=1) * self.edge
+        far = corner + np.stack([np.broadcast_to(runs, len(cells)), np.ones(len(cells))], axis=1) * self.edge
+        a, b = np.round(camera.place(corner)), np.round(camera.place(far))
+        return boxes(np.minimum(a, b), np.maximum(a, b), paint, alpha)
+
+
+class Density:
+    """Cells coloured by how many agents are there, on a scale that ends at the most crowded one."""
+
+    def __init__(self, paths: Motion, theme: Theme):
+        """Divide the worlds."""
+        self._paths, self._theme = paths, theme
+        self._cells = [Cells(subject.scenario.world.size, CELLS) for subject in paths.subjects]
+
+    def drawn(self, here: Now, camera: Camera) -> np.ndarray:
+        """Draw the maps."""
+        rows, stops = [NONE], np.array([colour(each) for each in self._theme.heat])
+        there = here.time < self._paths.end
+        for scene, cells in enumerate(self._cells):
+            mine = there if len(self._cells) == 1 else there & (self._paths.scene == scene)
+            agents = np.flatnonzero(mine)
+            counts = np.bincount(cells.of(here.spot[agents]) + 1, minlength=cells.count + 1)[1:]
+            filled = counts.nonzero()[0]
+            if not len(filled):
+                continue
+            level = np.log1p(counts[filled]) / np.log1p(counts.max())
+            paints = np.stack([np.interp(level, (0, 0.5, 1), stops[:, n]) for n in range(3)], axis=1)
+            tiles = cells.drawn(filled, 1, camera.of(agents[0]), paints, 0.35 + 0.6 * level)
+            tiles[:, WINDOW] = scene
+            rows.append(tiles)
+        return np.concatenate(rows)
+
+
+class Coverage:
+    """Ground that prey have been to, brightest where they have just been."""
+
+    def __init__(self, paths: Motion, theme: Theme):
+        """Watch the paths from their start on."""
+        self._paths, self._theme = paths, theme
+        self._cells = [Cells(subject.scenario.world.size, FINE) for subject in paths.subjects]
+        self._stamps = [self._stamp(scene) for scene in range(len(paths.subjects))]
+        self._before = np.zeros(0)
+        paths.watch(self._clean)
+
+    def _stamp(self, scene: int) -> np.ndarray:
+        """List the ways [m] from an agent to the cells that its tool reaches, or else its body."""
+        scenario, edge = self._paths.subjects[scene].scenario, self._cells[scene].edge
+        reach = max(tool_radius(scenario), edge / 2)
+        ways = np.arange(-np.ceil(reach / edge), np.ceil(reach / edge) + 1) * edge
+        offsets = np.stack(np.meshgrid(ways, ways), axis=-1).reshape(-1, 2)
+        return offsets[np.hypot(*offsets.T) <= reach]
+
+    def _clean(self, tick: int, places: np.ndarray) -> None:
+        """Note what prey clean on the way to a tick."""
+        if tick == 0:
+            self._first = [np.full(cells.count + 1, np.inf) for cells in self._cells]
+            self._before = places
+        paths, prey = self._paths, np.flatnonzero(self._paths.is_prey & np.isfinite(places[:, 0]))
+        for scene, (cells, stamp, first) in enumerate(zip(self._cells, self._stamps, self._first, strict=True)):
+            mine = prey[paths.scene[prey] == scene]
+            step = paths.shortest(places[mine] - self._before[mine], mine)[:, :2]
+            count = max(int(np.ceil(np.abs(step).max(initial=0) / cells.edge)), 1)
+            for share in np.arange(1, count + 1) / count:
+                spots = places[mine, :2] - step * (1 - share)
+                cleaned = cells.of(paths.within(spots, mine)[:, None] + stamp).ravel()
+                first[cleaned] = np.minimum(first[cleaned], tick - 1 + share if tick else 0)
+            first[-1] = np.inf
+        self._before = places.copy()
+
+    def share(self, time: float) -> float:
+        """Give the share of the ground that is clean."""
+        done = sum(int((first[:-1] <= time).sum()) for first in self._first)
+        return done / sum(cells.count for cells in self._cells)
+
+    def drawn(self, here: Now, camera: Camera) -> np.ndarray:
+        """Draw the cleaned cells; those that shine no more in whole rows."""
+        rows = [NONE]
+        for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):
+            own = camera.of(np.flatnonzero(self._paths.scene == scene)[0]) if self._paths.count else camera
+            age = here.time - first[:-1]
+            fresh = np.flatnonzero((age >= 0) & (age < 4 * FRESH))
+            shine = 0.3 * np.exp(-age[fresh] / FRESH)
+            old = (age >= 4 * FRESH).reshape(cells.up, cells.across)
+            edges = np.diff(np.pad(old, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+            (row, start), (_, end) = (edges == 1).nonzero(), (edges == -1).nonzero()
+            hue = self._theme["arrived"]
+            drawn = cells.drawn(row * cells.across + start, end - start, own, hue, 0.16)
+            for tiles in (drawn, cells.drawn(fresh, 1, own, hue, 0.16 + shine)):
+                tiles[:, WINDOW] = scene
+                rows.append(tiles)
+        return np.concatenate(rows)
+
+
+def tool_radius(scenario) -> float:
+    """Give how far prey clean [m]: the radius of their tool where the scenario has one, else their own."""
+    return float(scenario.prey.weights.get("tool_radius", scenario.prey.radius))
