@@ -84,6 +84,11 @@ class Orbit(Camera):
         """Give how much larger than at the pivot things look: [...]."""
         return self._grown(self._seen(points))
 
+    @staticmethod
+    def haze(near: np.ndarray) -> np.ndarray:
+        """Give how much of what is behind shows through things, the farther the more: [..., 1]."""
+        return np.clip(0.22 + 1.5 * (1 - near), 0, 0.75)[..., None]
+
     def _seen(self, points: np.ndarray) -> np.ndarray:
         if points.shape[-1] == 2:
             points = np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
@@ -157,6 +162,15 @@ def heights(subject: Recording | Live) -> tuple[float, float]:
         levels = np.concatenate([swarm.position[..., 2].ravel() for swarm in (subject.prey, subject.predators)])
         low, high = min(low, float(np.nanmin(levels))), max(high, float(np.nanmax(levels)))
     return low, high
+
+
+def apparent(paths: Motion, view: View) -> tuple[float, float]:
+    """Give how wide and high a view looks, next to each other: an orbit sees the diagonal of the floor, and that aslant."""
+    width, height = view.reach.width, view.reach.height
+    if paths.dim == 2:
+        return width, height
+    across = float(np.hypot(width, height))
+    return across, across * float(np.sin(PITCH)) + (view.top - view.floor) * float(np.cos(PITCH))
 
 
 def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> Operator:

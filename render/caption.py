@@ -62,7 +62,7 @@ def counters(scene: Scene) -> list[Counter]:
     if hunters > 1:
         found.append(Counter("predators", there(False), hunters, colour(theme.predator)))
     if coverage := scene.coverage:
-        found.append(Counter("cleaned", lambda time: round(100 * coverage.share(time)), 100, theme["arrived"], " %"))
+        found.append(Counter("cleaned", lambda time: round(100 * coverage.share(time)), 100, theme["arrived"], "%"))
     return found
 
 

@@ -8,7 +8,7 @@ from render.now import Now
 from render.shapes import NONE, WINDOW, boxes, colour
 from render.theme import Theme
 
-CELLS, FINE = 96, 192
+CELLS, FINE = 96, 320
 """Cells along the world's longer side: of a heat map, and of cleaned ground."""
 
 FRESH = 8
@@ -35,6 +35,13 @@ class Cells:
         x, y = place[..., 0].astype(np.int32), place[..., 1].astype(np.int32)
         inside = (place >= 0).all(axis=-1) & (x < self.across) & (y < self.up)
         return np.where(inside, y * self.across + x, -1)
+
+    def around(self, spots: np.ndarray, reach: float) -> np.ndarray:
+        """Give the numbers of the cells whose middles lie within reach [m] of points [point, 2]; -1 for cells outside."""
+        ways = np.arange(-np.ceil(reach / self.edge), np.ceil(reach / self.edge) + 1)
+        offsets = np.stack(np.meshgrid(ways, ways), axis=-1).reshape(-1, 2)
+        middles = (np.floor(spots / self.edge)[:, None] + offsets + 0.5) * self.edge
+        return self.of(middles[np.hypot(*np.moveaxis(middles - spots[:, None], -1, 0)) <= reach])
 
     def drawn(self, cells: np.ndarray, runs: np.ndarray | int, camera: Camera, paint, alpha) -> np.ndarray:
         """Draw rows of `runs` cells that begin with some. Edges lie on whole pixels, so that none shows between neighbours."""
@@ -78,17 +85,9 @@ class Coverage:
         """Watch the paths from their start on."""
         self._paths, self._theme = paths, theme
         self._cells = [Cells(subject.scenario.world.size, FINE) for subject in paths.subjects]
-        self._stamps = [self._stamp(scene) for scene in range(len(paths.subjects))]
+        self._reach = [max(tool_radius(s.scenario), 0.71 * c.edge) for s, c in zip(paths.subjects, self._cells, strict=True)]
         self._before = np.zeros(0)
         paths.watch(self._clean)
-
-    def _stamp(self, scene: int) -> np.ndarray:
-        """List the ways [m] from an agent to the cells that its tool reaches, or else its body."""
-        scenario, edge = self._paths.subjects[scene].scenario, self._cells[scene].edge
-        reach = max(tool_radius(scenario), edge / 2)
-        ways = np.arange(-np.ceil(reach / edge), np.ceil(reach / edge) + 1) * edge
-        offsets = np.stack(np.meshgrid(ways, ways), axis=-1).reshape(-1, 2)
-        return offsets[np.hypot(*offsets.T) <= reach]
 
     def _clean(self, tick: int, places: np.ndarray) -> None:
         """Note what prey clean on the way to a tick."""
@@ -96,13 +95,13 @@ class Coverage:
             self._first = [np.full(cells.count + 1, np.inf) for cells in self._cells]
             self._before = places
         paths, prey = self._paths, np.flatnonzero(self._paths.is_prey & np.isfinite(places[:, 0]))
-        for scene, (cells, stamp, first) in enumerate(zip(self._cells, self._stamps, self._first, strict=True)):
+        for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):
             mine = prey[paths.scene[prey] == scene]
-            step = paths.shortest(places[mine] - self._before[mine], mine)[:, :2]
+            step = paths.shortest(places[mine] - self._before[mine], mine)
             count = max(int(np.ceil(np.abs(step).max(initial=0) / cells.edge)), 1)
             for share in np.arange(1, count + 1) / count:
-                spots = places[mine, :2] - step * (1 - share)
-                cleaned = cells.of(paths.within(spots, mine)[:, None] + stamp).ravel()
+                spots = paths.within(places[mine] - step * (1 - share), mine)[:, :2]
+                cleaned = cells.around(spots, self._reach[scene])
                 first[cleaned] = np.minimum(first[cleaned], tick - 1 + share if tick else 0)
             first[-1] = np.inf
         self._before = places.copy()
@@ -124,8 +123,9 @@ class Coverage:
             edges = np.diff(np.pad(old, ((0, 0), (1, 1))).astype(np.int8), axis=1)
             (row, start), (_, end) = (edges == 1).nonzero(), (edges == -1).nonzero()
             hue = self._theme["arrived"]
-            drawn = cells.drawn(row * cells.across + start, end - start, own, hue, 0.16)
-            for tiles in (drawn, cells.drawn(fresh, 1, own, hue, 0.16 + shine)):
+            alpha = self._theme.cleaned_alpha
+            drawn = cells.drawn(row * cells.across + start, end - start, own, hue, alpha)
+            for tiles in (drawn, cells.drawn(fresh, 1, own, hue, alpha + shine)):
                 tiles[:, WINDOW] = scene
                 rows.append(tiles)
         return np.concatenate(rows)

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 ROOM = {"side": 290, "strip": 104, "pair": 310, "stack": 540}
 """Room for the panel in units of type: its width beside the stage; its height below, as a strip, in two columns or one."""
 
+MOST, ROW = 5, 25
+"""Counters that the stack has room for; with fewer it is lower by a row [units of type] each."""
+
 SMALLEST = 0.5
 """Frames whose unit of type would be smaller [px] have no panel: it could not be read."""
 
@@ -47,20 +50,16 @@ class Layout:
     form: str
 
 
-def layout(size: tuple[int, int], extent: tuple[float, float], *, caption: bool = True) -> Layout:
-    """Divide a frame so that a world of some extent [m] is drawn as large as possible.
-
-    caption: keep room for the panel.
-    """
+def layout(size: tuple[int, int], extent: tuple[float, float], counters: int = MOST) -> Layout:
+    """Divide a frame so that a world of some extent [m] is drawn as large as possible, with a panel of so many counters."""
     width, height = size
     unit = min(width, height) / 720
     whole = Box(0, 0, width, height)
     bare = Layout(size, unit, whole, None, "side")
-    if not caption:
-        return bare
     if height > 1.4 * width:
-        unit = min(width / 460, height / (ROOM["stack"] + 460 * extent[1] / extent[0]))
-        return bare if unit < SMALLEST else _below(size, unit, "stack")
+        room = ROOM["stack"] - (MOST - counters) * ROW
+        unit = min(width / 460, height / (room + 460 * extent[1] / extent[0]))
+        return bare if unit < SMALLEST else _below(size, unit, "stack", room)
     edge = ROOM["side"] * unit
     plans = [Layout(size, unit, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")] if unit >= SMALLEST else []
     if width > 1.4 * height:
@@ -70,7 +69,7 @@ def layout(size: tuple[int, int], extent: tuple[float, float], *, caption: bool 
     return max(plans, key=lambda each: min(each.stage.width / extent[0], each.stage.height / extent[1]), default=bare)
 
 
-def _below(size: tuple[int, int], unit: float, form: str) -> Layout:
+def _below(size: tuple[int, int], unit: float, form: str, room: float | None = None) -> Layout:
     width, height = size
-    edge = height - ROOM[form] * unit
+    edge = height - (ROOM[form] if room is None else room) * unit
     return Layout(size, unit, Box(0, 0, width, edge), Box(0, edge, width, height), form)

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from render.caption import Caption, counters, introduced, spaced
-from render.layout import Box, Layout
+from render.layout import ROW, Box, Layout
 from render.scene import Scene
 from render.shapes import Colour, boxes, capsules, colour, darts
 from render.text import Atlas, width, wrapped
@@ -13,8 +13,6 @@ from render.text import Atlas, width, wrapped
 INSET = 28
 COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5)}
 """Shares of the panel's width; title, legend, counters and clock are dealt to the columns in this order."""
-
-ROW = 25
 
 
 class Panel(Caption):

@@ -20,6 +20,7 @@ from render.shapes import (
     KIND,
     PAINT,
     PLACE,
+    QUAD,
     SIZE,
     SOFT,
     SPRITE,
@@ -102,6 +103,13 @@ def _dart_distance(u, v, length, width, notch):
 
 
 @ti.func
+def _beyond(x, y, ax, ay, bx, by):
+    """Signed distance of (x, y) from the line from a to b, above zero on its left."""
+    ex, ey = bx - ax, by - ay
+    return ((x - ax) * ey - (y - ay) * ex) * (ti.f32(1.0) / ti.sqrt(ti.max(ex * ex + ey * ey, ti.f32(1e-12))))
+
+
+@ti.func
 def _coverage(kind: ti.i32, ax, ay, bx, by, p, q, tweak, per_soft, stroke, near_alpha, more_alpha, per_length2, x, y):
     """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
 
@@ -118,13 +126,16 @@ def _coverage(kind: ti.i32, ax, ay, bx, by, p, q, tweak, per_soft, stroke, near_
         most = ti.min(ti.max(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
     elif kind == DART:
         d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
+    elif kind == QUAD:
+        near = ti.max(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
+        d = ti.max(near, ti.max(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
     else:
         dx = _magnitude(x - ax) - p + tweak
         dy = ti.max(y - ay, ay - y) - q + tweak
         ox, oy = ti.max(dx, ti.f32(0.0)), ti.max(dy, ti.f32(0.0))
         d = ti.sqrt(ox * ox + oy * oy) + ti.min(ti.max(dx, dy), ti.f32(0.0)) - tweak
         along = nothing + _saturated((y - ay + q) / ti.max(ti.f32(2.0) * q, ti.f32(1e-6)))
-    if stroke > ti.f32(0.0):
+    if stroke > ti.f32(0.0) and kind != QUAD:
         d = _magnitude(d) - stroke
         most = ti.min(ti.f32(2.0) * stroke, most)
     return ti.min(_saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
@@ -267,6 +278,10 @@ def _fit(shapes: ti.template(), n: ti.i32, windows: ti.template()) -> ti.i32:
         around += ti.sqrt(p * p + q * q)
     elif kind == BOX:
         x0, y0, x1, y1 = ax - p, ay - q, ax + p, ay + q
+    elif kind == QUAD:
+        tweak, stroke, around = shapes[n, TWEAK], shapes[n, STROKE], ti.f32(1.0)
+        x0, y0 = ti.min(ti.min(ax, bx), ti.min(p, tweak)), ti.min(ti.min(ay, by), ti.min(q, stroke))
+        x1, y1 = ti.max(ti.max(ax, bx), ti.max(p, tweak)), ti.max(ti.max(ay, by), ti.max(q, stroke))
     else:
         x1, y1, around = ax + p, ay + q, ti.f32(0.0)
     x0, y0 = ti.max(ti.floor(x0 - around), windows[window, 0]), ti.max(ti.floor(y0 - around), windows[window, 1])

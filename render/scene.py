@@ -85,7 +85,7 @@ class Scene:
             paints = self._paints(time)[here.who]
             if isinstance(camera, Orbit):
                 reach = np.maximum(reach * here.near, SMALLEST)
-                haze = np.clip(0.5 + 1.3 * (1 - here.near), 0, 0.75)[:, None]
+                haze = camera.haze(here.near)
                 paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
             drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
             rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]

@@ -14,7 +14,7 @@ import numpy as np
 KIND, GROUP, PLACE, SIZE, TWEAK, SOFT, STROKE, PAINT, ALPHA, WINDOW, BOUNDS = 0, 1, 2, 6, 8, 9, 10, 11, 14, 16, 17
 COLUMNS = 21
 
-CAPSULE, DART, BOX, SPRITE = 0, 1, 2, 3
+CAPSULE, DART, BOX, SPRITE, QUAD = 0, 1, 2, 3, 4
 
 Colour = tuple[float, float, float]
 
@@ -104,6 +104,14 @@ def boxes(low, high, paint, alpha_top=1.0, alpha_bottom=None, corner=0.0, soft=1
     rows[:, PLACE : PLACE + 2] = (low + high) / 2
     rows[:, SIZE : SIZE + 2] = (high - low) / 2
     rows[:, TWEAK] = np.minimum(corner, rows[:, SIZE : SIZE + 2].min(axis=1))
+    return rows
+
+
+def quads(corners, paint, alpha=1.0) -> np.ndarray:
+    """Draw convex quadrilaterals: corners [shape, 4, 2], clockwise on the screen."""
+    rows = _rows(QUAD, len(corners), paint, alpha, alpha, 0, 1.0, 0.0)
+    rows[:, PLACE : PLACE + 4], rows[:, SIZE : SIZE + 2] = corners[:, :2].reshape(-1, 4), corners[:, 2]
+    rows[:, TWEAK], rows[:, STROKE] = corners[:, 3].T  # no quadrilateral has a tweak or a stroke
     return rows
 
 

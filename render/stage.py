@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from render import world
-from render.camera import Camera, Operator, Orbit, View, bounds, fitted, heights, joint, operator
+from render.camera import Camera, Operator, Orbit, View, apparent, bounds, fitted, heights, joint, operator
+from render.caption import counters
 from render.layout import Box, layout
 from render.live import Live
 from render.look import Look
@@ -150,7 +151,7 @@ class Stage:
         unit = layout(size, _extent(subject)).unit
         self.scene = Scene([subject], self._look, unit)
         view = self._view(STRAY)
-        plan = layout(size, (view.reach.width, view.reach.height))
+        plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
         self.boxes = [plan.stage]
         self.operators = [operator(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:

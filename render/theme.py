@@ -34,6 +34,7 @@ class Theme:
     trail_alpha: float
     outline: str  # thin edge that lifts agents off their trails
     type_weight: float  # power of the ink's coverage: dark type looks thin in linear light and needs less than 1
+    cleaned_alpha: float  # cleaned ground
     heat: tuple[str, str, str]  # density: sparse, middling, crowded
 
     def __getitem__(self, name: str) -> Colour:
@@ -67,6 +68,7 @@ DARK = Theme(
     trail_alpha=0.55,
     outline="#0a0e15",
     type_weight=1.0,
+    cleaned_alpha=0.1,
     heat=("#1d3b6e", "#3fa7d6", "#fff3b0"),
 )
 
@@ -96,6 +98,7 @@ LIGHT = Theme(
     trail_alpha=0.7,
     outline="#f8f6f1",
     type_weight=0.62,
+    cleaned_alpha=0.3,
     heat=("#cfe3f2", "#3f8fc4", "#08306b"),
 )
 
@@ -125,6 +128,7 @@ PRINT = Theme(
     trail_alpha=0.75,
     outline="#ffffff",
     type_weight=0.62,
+    cleaned_alpha=0.3,
     heat=("#e0e0e0", "#808080", "#000000"),
 )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from render.camera import Camera, Orbit, heights
 from render.live import Live, target_of
-from render.shapes import NONE, boxes, capsules, colour, discs, mixed, rings
+from render.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.text import Atlas
 from render.theme import Theme
 from tiswarm.recording import Recording
@@ -52,7 +52,7 @@ def ground(
         rows += [
             NONE if is_sky(subject) else _grid(world.size, theme, unit, camera, 0.06),
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
-            *_edge(world.boundary, low, high, theme, unit),
+            *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
             _target(target, theme, unit, camera) if target else NONE,
             _obstacles(subject, theme, camera),
             _arrows(field, theme, unit, camera) if field else NONE,
@@ -81,10 +81,10 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
     ]
 
 
-def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: float) -> list[np.ndarray]:
+def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: float, alpha: float) -> list[np.ndarray]:
     """Draw the edge of the world: solid walls around it, or a fine line."""
     if boundary != "walls":
-        return [boxes(low, high, theme["line"], 0.22, corner=3 * unit, stroke=0.75 * unit)]
+        return [boxes(low, high, theme["line"], alpha, corner=3 * unit, stroke=0.75 * unit)]
     half = WALL / 2 * unit
     return [
         boxes(low, high, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit, stroke=2 * unit),
@@ -116,10 +116,10 @@ def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -
     pairs = [(a, b) for a in range(8) for b in range(a) if (a ^ b) in (1, 2, 4)]
     spots, near = camera.place(corners), camera.nearness(corners)
     a, b = (np.array(ends) for ends in zip(*pairs, strict=True))
-    middle = camera.place(np.array([width / 2, height / 2, 0.0]))[None]
-    reach = 0.5 * camera.scale * max(width, height)
+    floor = camera.place(np.array([(0, 0), (0, height), (width, height), (width, 0)], float))[None]
     rows = [
-        discs(middle, reach * 0.2, theme["glow"], theme.glow_alpha, soft=reach * 1.3),
+        quads(floor, theme["world"]),
+        quads(floor, theme["glow"], 0.5 * theme.glow_alpha),
         _grid(size, theme, 1.2 * unit, camera, 0.16),
         capsules(
             spots[a],
@@ -147,7 +147,7 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
         return NONE.copy(), np.zeros(0)
     near = camera.nearness(subject.obstacle_position)
     centre, radius = camera.place(subject.obstacle_position), subject.obstacle_radius * camera.scale * near
-    haze = np.clip(0.5 + 1.3 * (1 - near), 0, 0.75)[:, None]
+    haze = Orbit.haze(near)
     body, light = (
         np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze for name in ("obstacle", "obstacle_light")
     )

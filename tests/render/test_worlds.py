@@ -1,0 +1,202 @@
+"""Worlds of other kinds: periodic, walled, deep; without target, predators or obstacles."""
+
+import numpy as np
+import pytest
+
+import render
+import tiswarm
+from render.caption import counters
+from render.heat import Cells
+from render.look import Look
+from render.stage import Stage
+from render.world import Field, is_sky
+from tiswarm.recording import Recording, Swarm
+
+SIZE = (400, 240)
+NOBODY = Swarm(
+    np.zeros((1, 0, 2)), np.zeros((1, 0, 2)), np.zeros(0, "<U8"), np.zeros((1, 0), "<U12"), np.zeros((1, 0), np.int32)
+)
+
+
+def path(position: np.ndarray, step: np.ndarray, group: int = -1) -> Swarm:
+    """Give a swarm from places [tick, agent, dim] and one velocity for all."""
+    rows, count, _ = position.shape
+    state, fate = np.full((rows, count), "calm", dtype="<U12"), np.full(count, "alive", dtype="<U8")
+    return Swarm(position, np.broadcast_to(step, position.shape).copy(), fate, state, np.full((rows, count), group, np.int32))
+
+
+def world(prey: Swarm, predators: Swarm | None = None, obstacles: int = 0, **changes: object) -> Recording:
+    rows, dim = prey.position.shape[0], prey.position.shape[2]
+    if predators is None:
+        predators = path(np.zeros((rows, 0, dim)), np.zeros(dim))
+    size = [40, 20, 12][:dim]
+    box = {"region": [[0] * dim, size], "velocity": [[0] * dim, [1] * dim]}
+    plain = {
+        "world.size": size,
+        "world.areas": [],
+        "prey.spawn": box,
+        "predators.spawn": box,
+        "prey.avoidance": "none",
+        "obstacles.count": 0,
+        "obstacles.region": box["region"],
+        "target.present": False,
+        "target.position": [s / 2 for s in size],
+    }
+    scenario = tiswarm.load("delft/pronav-0", plain | {"predators.count": 0} | changes)
+    at = np.random.default_rng(3).uniform(3, 9, (obstacles, dim))
+    return Recording(scenario, 0, 0, prey, predators, at, np.full(obstacles, 1.5))
+
+
+def crossing(dim: int = 2) -> Recording:
+    """Let one prey fly to the right through the edge of a periodic world of 40 m x 20 m: at tick 5 it is there."""
+    x = np.mod(35 + np.arange(11.0), 40)
+    position = np.full((11, 1, dim), 10.0)
+    position[:, 0, 0] = x
+    return world(path(position, np.eye(dim)[0]), **{"world.boundary": "periodic"})
+
+
+def picture(recording: Recording, time: float, size=SIZE, **look: object) -> tuple[Stage, np.ndarray]:
+    stage = Stage(recording, size, Look(**look), yuv=False)  # type: ignore[arg-type]
+    return stage, stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3).astype(int)
+
+
+def what_moves(recording: Recording, time: float, **look: object) -> tuple[Stage, np.ndarray]:
+    """Tell which pixels the agents and their trails change."""
+    stage, image = picture(recording, time, **look)
+    ground = world(
+        path(np.full_like(recording.prey.position, np.nan), 0), **{"world.boundary": recording.scenario.world.boundary}
+    )
+    return stage, np.abs(image - picture(ground, time, **look)[1]).max(axis=2) > 12
+
+
+@pytest.mark.parametrize("camera", ["fit", "follow", "orbit"])
+@pytest.mark.parametrize("time", [4.7, 5.0, 5.4, 9.0])
+def test_whoever_wraps_leaves_no_streak(camera, time):
+    _, image = picture(crossing(), time, camera=camera, trail=0.3)
+    _, before = picture(crossing(), 4.0, camera=camera, trail=0.3)
+    lit = (np.abs(image[:180] - np.median(image[:180], axis=1, keepdims=True)).max(axis=2) > 40).sum(axis=1).max()
+    lit_before = (np.abs(before[:180] - np.median(before[:180], axis=1, keepdims=True)).max(axis=2) > 40).sum(axis=1).max()
+    assert lit < lit_before + 60
+
+
+def test_an_agent_on_a_periodic_edge_is_seen_on_both_sides():
+    stage, moving = what_moves(crossing(), 5.0, trail=0)
+    camera = stage.operators[0].at(5.0)
+    (left, _), (right, _) = camera.place(np.array([[0.0, 10.0], [40.0, 10.0]]))
+    columns = moving.any(axis=0).nonzero()[0]
+    assert columns.min() <= left + 2
+    assert columns.max() >= right - 3
+    assert (columns >= np.floor(left)).all()
+    assert (columns <= np.ceil(right)).all()
+    assert not moving[:, int(left) + 40 : int(right) - 40].any()
+
+
+def test_a_trail_goes_on_behind_a_periodic_edge():
+    stage, moving = what_moves(crossing(), 7.0, trail=2.0)
+    y = int(stage.operators[0].at(7.0).place(np.array([[0.0, 10.0]]))[0, 1])
+    spots = (
+        stage.operators[0].at(7.0).place(np.array([[37.0, 10.0], [39.5, 10.0], [0.5, 10.0], [20.0, 10.0]]))[:, 0].astype(int)
+    )
+    assert [bool(moving[y - 1 : y + 2, x - 1 : x + 2].any()) for x in spots] == [True, True, True, False]
+
+
+def test_the_way_across_an_edge_is_no_way_through_the_world():
+    _, moving = what_moves(crossing(), 5.5, overlay=("velocity",), trail=0)
+    assert not moving[:, 120:280].any()
+
+
+def test_neighbours_across_an_edge_are_linked_across_it():
+    x = np.array([[1.0, 10.0], [39.0, 10.0]])
+    recording = world(path(np.stack([x, x]), np.zeros(2)), **{"world.boundary": "periodic", "prey.perception": 5})
+    _, linked = picture(recording, 0.0, overlay=("links",))
+    without = picture(recording, 0.0)[1]
+    columns = np.abs(linked - without).max(axis=2).any(axis=0).nonzero()[0]
+    assert len(columns)
+    assert not ((columns > 60) & (columns < 340)).any()
+
+
+def test_walls_are_drawn_where_there_are_walls():
+    still = path(np.full((2, 1, 2), 5.0), np.zeros(2))
+    stage, walled = picture(world(still, **{"world.boundary": "walls"}), 0.0)
+    _, free = picture(world(still), 0.0)
+    (left, top), _ = stage.operators[0].at(0.0).place(np.array([[0.0, 20.0], [40.0, 0.0]]))
+    wall = np.abs(walled - free).max(axis=2)
+    assert wall[100, max(int(left) - 4, 0) : int(left) + 1].max() > 30
+    assert wall[max(int(top) - 4, 0) : int(top) + 1, 200].max() > 30
+
+
+def test_a_predator_shows_which_cluster_it_chases():
+    still = path(np.full((2, 1, 2), 5.0), np.zeros(2))
+    seen = [picture(world(still, path(np.full((2, 1, 2), 12.0), np.zeros(2), group=each)), 0.0)[1] for each in (-1, 0, 1)]
+    assert all((one != other).any() for one, other in ((seen[0], seen[1]), (seen[1], seen[2]), (seen[0], seen[2])))
+
+
+def test_only_what_can_happen_is_counted():
+    still, hunter = path(np.full((2, 3, 2), 5.0), np.zeros(2)), path(np.full((2, 1, 2), 12.0), np.zeros(2))
+
+    def names(recording: Recording, **look: object) -> list[str]:
+        return [counter.name for counter in counters(Stage(recording, SIZE, Look(**look), yuv=False).scene)]  # type: ignore[arg-type]
+
+    assert names(world(still)) == []
+    assert names(world(still), overlay=("coverage",)) == ["cleaned"]
+    assert names(world(still, hunter, **{"predators.count": 1})) == ["alive", "captured"]
+    assert names(world(still, hunter, **{"predators.count": 1, "world.contact": "none"})) == []
+    assert names(world(still, obstacles=2, **{"target.present": True})) == ["alive", "arrived", "crashed"]
+
+
+def test_a_world_without_ground_is_a_sky():
+    still = path(np.full((2, 1, 2), 5.0), np.zeros(2))
+    assert is_sky(world(still, **{"world.boundary": "periodic"}))
+    assert not is_sky(world(still, **{"world.boundary": "walls"}))
+    assert not is_sky(world(still, **{"target.present": True}))
+    assert not is_sky(world(still, obstacles=1))
+
+
+@pytest.mark.parametrize("boundary", ["open", "periodic", "walls"])
+@pytest.mark.parametrize("theme", sorted(render.THEMES))
+def test_deep_worlds_of_every_kind_can_be_drawn(boundary, theme):
+    rng = np.random.default_rng(1)
+    flock = path(np.cumsum(rng.uniform(0, 0.5, (9, 20, 3)), axis=0) + 2, np.full(3, 0.25))
+    recording = world(flock, obstacles=4, **{"world.boundary": boundary, "target.present": True})
+    stage, image = picture(recording, 6.5, theme=theme)
+    assert len(np.unique(image)) > 30
+    assert not stage.operators[0].still, "an orbit is what deep worlds have for fit"
+
+
+def test_flat_and_deep_worlds_do_not_mix():
+    deep = path(np.full((2, 1, 3), 5.0), np.zeros(3))
+    with pytest.raises(ValueError, match="one by one"):
+        Stage([world(deep), crossing()], SIZE, Look(), yuv=False)
+
+
+def test_cleaned_ground_is_what_tools_have_passed_over():
+    position = np.stack([np.linspace(5, 35, 31), np.full(31, 10.0)], axis=1)[:, None]
+    recording = world(path(position, np.array([1.0, 0.0])), **{"prey.radius": 1.0, "world.boundary": "walls"})
+    stage = Stage(recording, SIZE, Look(overlay=("coverage",)), yuv=False)
+    stage.frame(30.0, stage.canvas.blank())
+    coverage = stage.scene.coverage
+    assert coverage is not None
+    assert coverage.share(30.0) == pytest.approx((30 * 2 + np.pi) / (40 * 20), rel=0.02)
+    assert coverage.share(15.0) == pytest.approx((15 * 2 + np.pi) / (40 * 20), rel=0.03)
+
+
+def test_cells_lie_where_their_numbers_say():
+    cells = Cells((40.0, 20.0), 40)
+    assert cells.of(np.array([[0.5, 0.5], [39.5, 0.5], [0.5, 1.5], [-0.1, 3.0], [np.nan, 1.0], [40.5, 1.0]])).tolist() == [
+        0,
+        39,
+        40,
+        -1,
+        -1,
+        -1,
+    ]
+
+
+def test_a_field_is_drawn_as_arrows(tmp_path):
+    recording = world(path(np.full((2, 1, 2), 5.0), np.zeros(2)), obstacles=1)
+    points = np.stack(np.meshgrid(np.arange(2.0, 40, 4), np.arange(2.0, 20, 4)), axis=-1).reshape(-1, 2)
+    field = Field(points, points - recording.obstacle_position)
+    stages = [Stage(recording, SIZE, Look(), yuv=False, field=each) for each in (field, None)]
+    drawn, plain = (stage.frame(0.0, stage.canvas.blank()).reshape(240, 400, 3).astype(int) for stage in stages)
+    assert (np.abs(drawn - plain).max(axis=2) > 20).sum() > 200
+    render.poster(recording, tmp_path / "a.png", SIZE, field=Field(points, np.zeros_like(points)))
