@@ -43,9 +43,9 @@ class Single:
     def _advance(self, moves: int) -> None:
         self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
 
-    def step(self) -> None:
-        """Run one tick."""
-        self._advance(1)
+    def step(self, ticks: int = 1) -> None:
+        """Run so many ticks, fewer when the trial ends before."""
+        self._advance(ticks)
 
     @property
     def ended(self) -> bool:

@@ -57,7 +57,7 @@ class Strategy(Avoidance):
         if anywhere(seen):
             speed = ti.sqrt(dot(course, course))
             ahead = unit(course)
-            aside = sideways(ahead, dice)
+            aside = ti.static(SIDES[len(course)])(ahead, dice)
             outward = vector(notes, "away")
             across = minus(outward, scaled(ahead, dot(outward, ahead)))
             # Heading straight for the centre leaves only rounding across: no side is better than another.
@@ -78,16 +78,6 @@ class Strategy(Avoidance):
             for k in ti.static(range(len(course))):
                 other[k] = ti.select(seen, fast * turned[k], course[k])
         return other
-
-
-@ti.func
-def sideways(ahead, dice):
-    """Give a random unit vector perpendicular to a unit vector: uniform in azimuth, or one of the two sides in the plane."""
-    if ti.static(len(ahead) == 2):  # noqa: SIM108 - a branch at compile time
-        side = flat_side(ahead, dice)
-    else:
-        side = deep_side(ahead, dice)
-    return side
 
 
 @ti.func
@@ -112,3 +102,7 @@ def deep_side(ahead, dice):
     ]
     angle = TURN * dice.a
     return plus(scaled(one, cosine(angle)), scaled(two, sine(angle)))
+
+
+SIDES = {2: flat_side, 3: deep_side}
+"""A random unit vector perpendicular to a unit vector, by dimension."""
