@@ -157,7 +157,7 @@ def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_
             stderr=subprocess.PIPE,
         )
         if rng.random() < 0.5:  # anywhere, from the first import on
-            time.sleep(rng.uniform(0.0, 2.5))
+            time.sleep(rng.uniform(0.0, 2.0))
         else:  # once some more cells are there
             wanted = before + rng.randrange(1, 9)
             while process.poll() is None and _kept(folder) < min(wanted, 120):

@@ -116,11 +116,14 @@ def cell_table(
         for measure in measures:
             ours = row.estimate(measure)
             digits = digits_of(measure, ours)
-            cells.append(f"{ours.mean:.{digits}f} ± {ours.stderr:.{digits}f}")
+            cells.append(f"{ours.mean:.{digits}f} ± {ours.stderr:.{digits}f}" if math.isfinite(ours.mean) else "–")
             if intervals:
-                cells.append(f"{ours.low:.{digits}f} … {ours.high:.{digits}f}")
+                cells.append(f"{ours.low:.{digits}f} … {ours.high:.{digits}f}" if math.isfinite(ours.stderr) else "–")
         table.add_row(str(row.cell.number), *([row.cell.table.name] if named else []), *places, f"{row.trials:,}", *cells)
-    for column in table.columns[-len(measures) * (1 + intervals) - 1 :]:  # numbers stay whole, names give way
+    for column in (
+        table.columns[0],
+        *table.columns[-len(measures) * (1 + intervals) - 1 :],
+    ):  # numbers stay whole, names give way
         column.min_width = max((len(str(each)) for each in column.cells), default=0)
     return table
 
