@@ -238,7 +238,7 @@ def _agree(preset: str, names: tuple[str, ...], trials: int = 9, **overrides) ->
 class TestKernelAgainstRecording:
     @pytest.mark.parametrize("contact", ["none", "bounce", "eaten", "deadly"])
     def test_the_hawk(self, contact):
-        own = {"world.contact": contact, "measures.distance": 1.5, "measures.after": 20, "predators.radius": 0.6}
+        own = {"world.contact": contact, "measures.distance": 1.5, "measures.after": 20, "predators.radius": 2.0}
         recording = _agree("m20/hawk", BODIES, **own)
         assert (recording.prey.fate == "captured").any() == (contact in ("eaten", "deadly"))
 
