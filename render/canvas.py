@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from render.plate import Plate
+from render.plate import EVERYWHERE, Plate
 from render.raster import AREA, CHUNKS, CONSTANTS, HEAD, LANES, LAY, OVER, PLANES, TILE, WHOLE, paint
 from render.shapes import COLUMNS, Colour
 from render.text import Atlas
@@ -52,7 +52,7 @@ class Canvas:
         Only what differs from what the plate shows is painted: a plate that is used again is faster than a new one.
         """
         if out.ground != self._grounds:
-            out.touched[:] = 1
+            out.touched[:] = EVERYWHERE
         self._run(OVER, shapes, windows, out, (0.0, 0.0, 0.0))
         out.ground = self._grounds
         return out.bytes

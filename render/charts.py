@@ -142,23 +142,29 @@ def pairs(panels: Sequence[Differences], path: str | os.PathLike, title: str, no
 
 @dataclass(frozen=True)
 class Cloud:
-    """Points with 95 % intervals in both directions, all [point]; away is half an interval's width, 0 for none."""
+    """Points with 95 % intervals in both directions, all [point]; away is half an interval's width, 0 for none.
+
+    names: none for points that nobody asks the names of.
+    """
 
     names: Sequence[str]
     x: np.ndarray
     y: np.ndarray
     x_away: np.ndarray
     y_away: np.ndarray
+    logarithmic: bool = False  # x
 
 
 def scatter(cloud: Cloud, path: str | os.PathLike, title: str, note: str, x_axis: str, y_axis: str) -> Path:
     """Draw points with crosses for their intervals, named where there are few. It appears whole or not at all."""
-    named = len(cloud.names) <= MOST_LABELS
+    named = 0 < len(cloud.names) <= MOST_LABELS
     size = (6.4 + (0.075 * max(map(len, cloud.names)) if named else 0.0), max(4.6, 1.6 + 0.2 * named * len(cloud.names)))
     with sheet(1, 1, size, path, title, note) as (_, axes):
         axis = axes[0][0]
         marks: Any = {"fmt": "o", "color": OURS, "ecolor": OURS, "elinewidth": 1.0, "mec": "white", "mew": 0.8, "zorder": 3}
         axis.errorbar(cloud.x, cloud.y, cloud.y_away, cloud.x_away, markersize=7 if named else 5, **marks)
+        if cloud.logarithmic:
+            axis.set_xscale("log")
         axis.set_xlabel(x_axis)
         axis.set_ylabel(y_axis)
         axis.spines[["top", "right"]].set_visible(False)

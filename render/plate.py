@@ -3,11 +3,16 @@
 import numpy as np
 
 
+EVERYWHERE = 0 + 8 * 9
+"""The first pair of rows touched in a tile, and nine times the one past the last: here all of the eight pairs that there are."""
+
+
 class Plate:
-    """The bytes of one frame, with a note of the tiles in which they differ from the ground."""
+    """The bytes of one frame, with a note of the rows of each tile in which they may differ from the ground."""
 
     def __init__(self, length: int, tiles: int):
         """Allocate `length` bytes; nothing is known of them yet."""
-        self.whole = np.ones(length + tiles, np.uint8)  # one array: each argument costs a kernel's launch some microseconds
+        self.whole = np.zeros(length + tiles, np.uint8)  # one array: each argument costs a kernel's launch some microseconds
         self.bytes, self.touched = self.whole[:length], self.whole[length:]
+        self.touched[:] = EVERYWHERE
         self.ground = -1  # the number of the ground that they were drawn over

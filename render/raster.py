@@ -68,20 +68,31 @@ _GAMMA = _gamma_fit()
 
 
 @ti.func
+def _most(a, b):
+    """Give the larger: one instruction, where ti.max, which sorts out NaN, is three."""
+    return ti.select(a > b, a, b)
+
+
+@ti.func
+def _least(a, b):
+    return ti.select(a < b, a, b)
+
+
+@ti.func
 def _saturated(x):
-    return ti.min(ti.max(x, ti.f32(0.0)), ti.f32(1.0))
+    return _least(_most(x, ti.f32(0.0)), ti.f32(1.0))
 
 
 @ti.func
 def _magnitude(x):
-    return ti.max(x, ti.f32(0.0) - x)
+    return _most(x, ti.f32(0.0) - x)
 
 
 @ti.func
 def _edge_distance2(u, v, au, av, bu, bv):
     """Squared distance of the points (u, v) from the segment a-b."""
     eu, ev = bu - au, bv - av
-    h = _saturated(((u - au) * eu + (v - av) * ev) * (ti.f32(1.0) / ti.max(eu * eu + ev * ev, ti.f32(1e-12))))
+    h = _saturated(((u - au) * eu + (v - av) * ev) * (ti.f32(1.0) / _most(eu * eu + ev * ev, ti.f32(1e-12))))
     du, dv = u - au - h * eu, v - av - h * ev
     return du * du + dv * dv
 
@@ -92,61 +103,79 @@ def _dart_distance(u, v, length, width, notch):
     v = _magnitude(v)
     nothing = ti.f32(0.0)
     d = ti.sqrt(
-        ti.min(
+        _least(
             _edge_distance2(u, v, length, nothing, nothing - length, width),
             _edge_distance2(u, v, nothing - length, width, notch - length, nothing),
         )
     )
     under_wing = (length - u) * width - v * (ti.f32(2.0) * length)
     before_tail = (u + length) * width - (width - v) * notch
-    return ti.select(ti.min(under_wing, before_tail) > ti.f32(0.0), nothing - d, d)
+    return ti.select(_least(under_wing, before_tail) > ti.f32(0.0), nothing - d, d)
 
 
 @ti.func
 def _beyond(x, y, ax, ay, bx, by):
     """Signed distance of (x, y) from the line from a to b, above zero on its left."""
     ex, ey = bx - ax, by - ay
-    return ((x - ax) * ey - (y - ay) * ex) * (ti.f32(1.0) / ti.sqrt(ti.max(ex * ex + ey * ey, ti.f32(1e-12))))
+    return ((x - ax) * ey - (y - ay) * ex) * (ti.f32(1.0) / ti.sqrt(_most(ex * ex + ey * ey, ti.f32(1e-12))))
 
 
 @ti.func
-def _coverage(kind: ti.i32, ax, ay, bx, by, p, q, tweak, per_soft, stroke, near_alpha, more_alpha, per_length2, x, y):
+def _coverage(
+    capsule: ti.template(),
+    kind: ti.i32,
+    ax,
+    ay,
+    bx,
+    by,
+    p,
+    q,
+    tweak,
+    per_soft,
+    stroke,
+    near_alpha,
+    more_alpha,
+    per_length2,
+    x,
+    y,
+):
     """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
 
+    capsule: whether it is one, known when this is compiled, for most are.
     per_soft, per_length2: one over the ramp's width, and over the squared length of a capsule. more_alpha: far less near.
     """
     nothing = x * ti.f32(0.0)
     d, along, most = nothing, nothing, nothing + ti.f32(1.0)
-    if kind == CAPSULE:
+    if ti.static(capsule):
         ex, ey = bx - ax, by - ay
         along = _saturated(((x - ax) * ex + (y - ay) * ey) * per_length2)
         dx, dy = x - ax - along * ex, (y - ay) - along * ey
         radius = p + along * (q - p)
         d = ti.sqrt(dx * dx + dy * dy) - radius
-        most = ti.min(ti.max(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
+        most = _least(_most(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
     elif kind == DART:
         d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
     elif kind == QUAD:
-        near = ti.max(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
-        d = ti.max(near, ti.max(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
+        near = _most(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
+        d = _most(near, _most(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
     else:
         dx = _magnitude(x - ax) - p + tweak
-        dy = ti.max(y - ay, ay - y) - q + tweak
-        ox, oy = ti.max(dx, ti.f32(0.0)), ti.max(dy, ti.f32(0.0))
-        d = ti.sqrt(ox * ox + oy * oy) + ti.min(ti.max(dx, dy), ti.f32(0.0)) - tweak
-        along = nothing + _saturated((y - ay + q) / ti.max(ti.f32(2.0) * q, ti.f32(1e-6)))
+        dy = _most(y - ay, ay - y) - q + tweak
+        ox, oy = _most(dx, ti.f32(0.0)), _most(dy, ti.f32(0.0))
+        d = ti.sqrt(ox * ox + oy * oy) + _least(_most(dx, dy), ti.f32(0.0)) - tweak
+        along = nothing + _saturated((y - ay + q) / _most(ti.f32(2.0) * q, ti.f32(1e-6)))
     if stroke > ti.f32(0.0) and kind != QUAD:
         d = _magnitude(d) - stroke
-        most = ti.min(ti.f32(2.0) * stroke, most)
-    return ti.min(_saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
+        most = _least(ti.f32(2.0) * stroke, most)
+    return _least(_saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
 
 
 @ti.func
 def _blend(lanes: ti.template(), spot: ti.i32, red: ti.f32, green: ti.f32, blue: ti.f32, cover):
-    for c in range(3):
-        paint_here = ti.select(c == 0, red, ti.select(c == 1, green, blue))
-        under = lanes[spot + c * AREA]
-        lanes[spot + c * AREA] = under + cover * (paint_here - under)
+    old_red, old_green, old_blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
+    lanes[spot] = old_red + cover * (red - old_red)
+    lanes[spot + AREA] = old_green + cover * (green - old_green)
+    lanes[spot + 2 * AREA] = old_blue + cover * (blue - old_blue)
 
 
 @ti.func
@@ -194,20 +223,58 @@ def _paint_shape(
     first, last = ti.cast(left, ti.f32), ti.cast(right, ti.f32)
     if kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
+    elif kind == CAPSULE:
+        for y in range(top, bottom):
+            for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
+                x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
+                cover = _coverage(
+                    True,
+                    kind,
+                    ax,
+                    ay,
+                    bx,
+                    by,
+                    p,
+                    q,
+                    tweak,
+                    per_soft,
+                    stroke,
+                    alpha,
+                    more_alpha,
+                    per_length2,
+                    x,
+                    ti.cast(y, ti.f32) + ti.f32(0.5),
+                )
+                cover = ti.select(_least(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
+                spot = place + (y - y0) * ACROSS + column
+                if grouped:
+                    lanes[spot + MASK * AREA] = _most(lanes[spot + MASK * AREA], cover)
+                else:
+                    _blend(lanes, spot, red, green, blue, cover)
     else:
         for y in range(top, bottom):
             for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
                 x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
-                middle = ti.cast(y, ti.f32) + ti.f32(0.5)
                 cover = _coverage(
-                    kind, ax, ay, bx, by, p, q, tweak, per_soft, stroke, alpha, more_alpha, per_length2, x, middle
+                    False,
+                    kind,
+                    ax,
+                    ay,
+                    bx,
+                    by,
+                    p,
+                    q,
+                    tweak,
+                    per_soft,
+                    stroke,
+                    alpha,
+                    more_alpha,
+                    per_length2,
+                    x,
+                    ti.cast(y, ti.f32) + ti.f32(0.5),
                 )
-                cover = ti.select(ti.min(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
-                spot = place + (y - y0) * ACROSS + column
-                if grouped:
-                    lanes[spot + MASK * AREA] = ti.max(lanes[spot + MASK * AREA], cover)
-                else:
-                    _blend(lanes, spot, red, green, blue, cover)
+                cover = ti.select(_least(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
+                _blend(lanes, place + (y - y0) * ACROSS + column, red, green, blue, cover)
 
 
 @ti.func
@@ -232,35 +299,57 @@ def _encoded(light):
 
 
 @ti.func
-def _write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, y1):
-    """Write packed red, green and blue bytes of a tile whose planes hold encoded colours."""
-    for spot in range(place, place + 3 * AREA):
-        lanes[spot] = ti.min(lanes[spot] * ti.f32(255.0) + lanes[1 + (spot - place) % AREA], ti.f32(255.0))
-    for y in range(y0, y1):
+def _write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, top, bottom):
+    """Write packed red, green and blue bytes of the rows from top to before bottom, whose planes hold encoded colours."""
+    for c in range(3):
+        for row in range(top * ACROSS, bottom * ACROSS):
+            spot = place + c * AREA + row
+            lanes[spot] = _least(lanes[spot] * ti.f32(255.0) + lanes[1 + row], ti.f32(255.0))
+    for y in range(top, bottom):
         for x in range(x0, x1):
             for c in range(3):
-                number = numbers[place * LANES + c * TILE * TILE + (y - y0) * TILE + x - x0]
-                out[(y * width + x) * 3 + c] = ti.cast(number, ti.u8)
+                number = numbers[place * LANES + c * TILE * TILE + y * TILE + x - x0]
+                out[((y0 + y) * width + x) * 3 + c] = ti.cast(number, ti.u8)
 
 
 @ti.func
-def _write_yuv(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, height, x0, y0, x1, y1):
-    """Write planar Y'CbCr 4:2:0, BT.709, limited range; one chroma sample stands for the mean of its four pixels."""
-    for spot in range(place, place + AREA):
+def _write_yuv(
+    lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, height, x0, y0, x1, top, bottom
+):
+    """Write planar Y'CbCr 4:2:0, BT.709, limited range; one chroma sample stands for the mean of its four pixels.
+
+    The rows from top to before bottom, both even. A row is read whole before it is written: sixteen reads and sixteen writes of
+    their own would be compiled one by one.
+    """
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
         red, green, blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
         luma = red * ti.f32(0.2126) + green * ti.f32(0.7152) + blue * ti.f32(0.0722)
         lanes[spot] = luma * ti.f32(219.0) + (lanes[1 + spot - place] + ti.f32(16.0))
         lanes[spot + AREA] = (blue - luma) * ti.f32(56.0 / 1.8556)
         lanes[spot + 2 * AREA] = (red - luma) * ti.f32(56.0 / 1.5748)
-    for y in range(y0, y1):
-        for x in range(x0, x1):
-            out[y * width + x] = ti.cast(numbers[place * LANES + (y - y0) * TILE + x - x0], ti.u8)
+    for y in range(top, bottom):
+        first, row = place * LANES + y * TILE, (y0 + y) * width + x0
+        if x1 - x0 == TILE:
+            level = [numbers[first + n] for n in ti.static(range(TILE))]
+            for n in ti.static(range(TILE)):
+                out[row + n] = ti.cast(level[n], ti.u8)
+        else:
+            for n in range(x1 - x0):
+                out[row + n] = ti.cast(numbers[first + n], ti.u8)
     for c in range(2):
-        for y in range(y0 // 2, y1 // 2):
-            for x in range(x0 // 2, x1 // 2):
-                spot = (place + (1 + c) * AREA) * LANES + (2 * y - y0) * TILE + 2 * x - x0
-                four = numbers[spot] + numbers[spot + 1] + numbers[spot + TILE] + numbers[spot + TILE + 1]
-                out[height * width * (4 + c) // 4 + y * (width // 2) + x] = ti.cast(ti.f32(128.5) + four, ti.u8)
+        plane = height * width * (4 + c) // 4
+        for y in range(top // 2, bottom // 2):
+            above = place + (1 + c) * AREA + 2 * y * ACROSS
+            for column in range(ACROSS):
+                lanes[above + column] = lanes[above + column] + lanes[above + ACROSS + column]
+            first, row = above * LANES, plane + (y0 // 2 + y) * (width // 2) + x0 // 2
+            if x1 - x0 == TILE:
+                four = [numbers[first + 2 * n] + numbers[first + 2 * n + 1] for n in ti.static(range(TILE // 2))]
+                for n in ti.static(range(TILE // 2)):
+                    out[row + n] = ti.cast(four[n] + ti.f32(128.5), ti.u8)
+            else:
+                for n in range((x1 - x0) // 2):
+                    out[row + n] = ti.cast(numbers[first + 2 * n] + numbers[first + 2 * n + 1] + ti.f32(128.5), ti.u8)
 
 
 @ti.func
@@ -325,6 +414,17 @@ def _bin(shapes: ti.template(), windows: ti.template(), bins: ti.template(), col
 
 
 @ti.func
+def _rows(shapes: ti.template(), bins: ti.template(), first: ti.i32, entries: ti.i32, y0: ti.i32):
+    """Give the rows of a tile that its entries touch, in pairs, for two rows share their chroma: first and one past the last."""
+    top, bottom = TILE, 0
+    for entry in range(first, first + entries):
+        n = bins[entry]
+        top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
+        bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
+    return ti.max(top, 0) // 2, (ti.min(bottom, TILE) + 1) // 2
+
+
+@ti.func
 def _paint_entries(
     shapes: ti.template(),
     atlas: ti.template(),
@@ -366,7 +466,7 @@ def paint(
     out: _Bytes,
     as_yuv: ti.template(),
 ):
-    """Paint tiles and write their bytes: those that shapes touch or that `out` notes as touched, or all of them.
+    """Paint tiles and write their bytes: those that shapes touch or touched last in `out`, or all of them.
 
     windows: rows of x0, y0, x1, y1, and one more with the colour that all begins with unless it is the ground. lanes and
     numbers are two views of the scratch memory. When bins have no room for all entries nothing is painted: their end says how
@@ -389,25 +489,34 @@ def paint(
             for step in range(some * ((tiles - chunk + CHUNKS - 1) // CHUNKS)):
                 tile = step * CHUNKS + chunk
                 start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
-                if end > start or mode != OVER or out[length + tile] > 0:
-                    out[length + tile] = ti.cast(end > start, ti.u8)
-                    x0, y0 = tile % columns * TILE, tile // columns * TILE
-                    if mode == OVER:
-                        for spot in range(3 * AREA):
-                            lanes[place + spot] = ground[tile * 3 * AREA + spot]
-                    else:
-                        for c in range(3):
+                x0, y0 = tile % columns * TILE, tile // columns * TILE
+                x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)
+                # The rows that shapes touch now, and those that they touched when this plate was drawn last.
+                touched = ti.cast(out[length + tile], ti.i32)
+                now_top, now_bottom = _rows(shapes, bins, HEAD + tiles + 1 + start, end - start, y0)
+                out[length + tile] = ti.cast(now_top + now_bottom * (TILE // 2 + 1), ti.u8)
+                top, bottom = ti.min(now_top, touched % (TILE // 2 + 1)), ti.max(now_bottom, touched // (TILE // 2 + 1))
+                top, bottom = 2 * top, ti.min(2 * bottom, high)
+                if mode != OVER:
+                    top, bottom = 0, high
+                if bottom > top:
+                    for c in range(3):
+                        plane = c * AREA
+                        if mode == OVER:
+                            for spot in range(plane + top * ACROSS, plane + bottom * ACROSS):
+                                lanes[place + spot] = ground[tile * 3 * AREA + spot]
+                        else:
                             base = windows[bins[5], c]
-                            for spot in range(place + c * AREA, place + (c + 1) * AREA):
-                                lanes[spot] = ti.f32(0.0) * lanes[0] + base
+                            for spot in range(plane, plane + AREA):
+                                lanes[place + spot] = ti.f32(0.0) * lanes[0] + base
                     _paint_entries(shapes, atlas, bins, lanes, numbers, place, HEAD + tiles + 1 + start, end - start, x0, y0)
                     if mode == LAY:
                         for spot in range(3 * AREA):
                             ground[tile * 3 * AREA + spot] = lanes[place + spot]
-                    for spot in range(place, place + 3 * AREA):
-                        lanes[spot] = _encoded(lanes[spot])
-                    x1, y1 = ti.min(x0 + TILE, width), ti.min(y0 + TILE, height)
+                    for c in range(3):
+                        for spot in range(place + c * AREA + top * ACROSS, place + c * AREA + bottom * ACROSS):
+                            lanes[spot] = _encoded(lanes[spot])
                     if ti.static(as_yuv):
-                        _write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, y1)
+                        _write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
                     else:
-                        _write_rgb(lanes, numbers, place, out, width, x0, y0, x1, y1)
+                        _write_rgb(lanes, numbers, place, out, width, x0, y0, x1, top, bottom)

@@ -4,7 +4,7 @@ import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
@@ -13,13 +13,19 @@ from tiswarm.axes import Axis, Combine, Whole, label, points
 from tiswarm.explain import ScenarioError, explained
 from tiswarm.presets import load, preset_folder, read_toml, study_names
 from tiswarm.registry import nearest
-from tiswarm.scenario import Part, Positive, Scenario
+from tiswarm.scenario import Measure, Part, Positive, Scenario
 
 MEASURES = ("success", "time", "impact_spread")
 """What a study reports unless it says otherwise."""
 
 SHARES = ("success",)
 """Measures that are shares of the agents of a trial."""
+
+OUTCOMES = ("success", "time", "impact_spread", "arrived", "captured", "crashed", "alive", "ticks")
+"""Measures that every trial has."""
+
+MEASURED: tuple[str, ...] = get_args(Measure)
+"""Measures that a scenario has to ask for, which a study does for it."""
 
 MOST_CELLS = 10_000
 
@@ -173,11 +179,20 @@ def cells(name: str, study: Study, seed: int, overrides: Mapping[str, Any] | Non
             base = str(settings.pop("base", table.base))
             if base not in bases:
                 bases[base] = load(str(find_study(name).parent / base) if base.endswith(".toml") else base)
-            scenario = bases[base].replaced(settings)
+            scenario = _measuring(bases[base].replaced(settings), study.measures)
             own = _seed_of(seed, len(found)) if study.independent else seed
             found.append(Cell(len(found), table, point, scenario, own))
     _check_keys(study, found)
     return found
+
+
+def _measuring(scenario: Scenario, names: tuple[str, ...]) -> Scenario:
+    """Let a scenario measure what the study reports and it would not. Errors: ScenarioError for an unknown measure."""
+    for name in names:
+        if name not in OUTCOMES and name not in MEASURED:
+            raise ScenarioError(f"measures: unknown '{name}'; {nearest(name, [*OUTCOMES, *MEASURED])}")
+    new = [name for name in names if name in MEASURED and name not in scenario.measures.names]
+    return scenario.replaced({"measures.names": [*scenario.measures.names, *new]}) if new else scenario
 
 
 def _seed_of(seed: int, number: int) -> int:

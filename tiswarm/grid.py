@@ -252,7 +252,8 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
     width = 4 if dimensions == 2 else 8
     solid = dimensions == 3
     lanes, real = types.lanes, types.real
-    agent_array = ti.types.ndarray(dtype=ti.types.vector(width, real), ndim=1)
+    record = ti.types.vector(width, real)
+    agent_array = ti.types.ndarray(dtype=record, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
     real_array = ti.types.ndarray(dtype=ti.f64, ndim=1)
 
@@ -518,6 +519,7 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
 
     return SimpleNamespace(
         width=width,
+        record=record,
         agent_array=agent_array,
         whole_array=whole_array,
         real_array=real_array,

@@ -20,9 +20,14 @@ def share_estimate(values: np.ndarray, agents: np.ndarray) -> Estimate:
     Agents of one trial share its luck, so that they count for fewer than they are: their number is divided by the design
     effect, the variance of the mean between trials over that of as many independent agents (Kish 1965), which is taken to
     lie between 1 and the agents of a trial. Where no trial differs from another (all arrive, or none), a trial counts once.
+    Trials without a value (NaN) are left out.
     """
+    there = np.isfinite(values)
+    values, agents = values[there], agents[there]
     plain = Estimate.of(values)
     trials, mean = len(values), plain.mean
+    if trials == 0:
+        return plain
     pooled = float(np.sum(agents))
     alone = mean * (1 - mean) / pooled
     between = plain.stderr**2 if trials > 1 else math.nan
@@ -51,20 +56,22 @@ class Paired:
 def paired_tests(first: np.ndarray, others: Sequence[np.ndarray]) -> list[Paired]:
     """Test each of several batches against one whose trials met the same luck: paired t-tests, corrected by Holm.
 
-    first, others: [trial]. A batch that differs nowhere has p = 1; a single trial cannot be tested (NaN).
+    first, others: [trial]. A batch that differs nowhere has p = 1; a single pair cannot be tested (NaN). Pairs of which one has
+    no value (NaN) are left out.
     """
-    from scipy.stats import ttest_1samp
-
-    away = [other - first for other in others]
-    p = [
-        1.0 if not each.any() else float(ttest_1samp(each, 0.0).pvalue) if np.ptp(each) > 0 else _constant(each)
-        for each in away
-    ]
+    away = [(other - first)[np.isfinite(other - first)] for other in others]
+    p = [_paired_p(each) for each in away]
     return [Paired(Estimate.of(a), each, holm) for a, each, holm in zip(away, p, holm_corrected(p), strict=True)]
 
 
-def _constant(differences: np.ndarray) -> float:
-    return 0.0 if len(differences) > 1 else math.nan
+def _paired_p(differences: np.ndarray) -> float:
+    from scipy.stats import ttest_1samp
+
+    if len(differences) < 2:
+        return math.nan
+    if np.ptp(differences) == 0:
+        return 0.0 if differences[0] else 1.0
+    return float(ttest_1samp(differences, 0.0).pvalue)
 
 
 def holm_corrected(p: Sequence[float]) -> list[float]:

@@ -18,7 +18,7 @@ SHARES = {"time-to-50": 0.50, "time-to-90": 0.90, "time-to-95": 0.95, "time-to-9
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
     """Build `measure`, `spread_ground` and `value_of`.
 
-    sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 inside obstacles.
+    sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 where there is no ground.
     """
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
@@ -191,7 +191,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
     def spread_ground(
         sums: ti.template(), ground: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, count, fresh
     ):
-        """Prepare sums and grid of lanes that start: what obstacles stand on cannot be swept."""
+        """Prepare sums and grid of lanes that start: what lies outside the world or under obstacles cannot be swept."""
         for k in range(height):
             sums[b * height + k] = ti.select(fresh, 0.0, sums[b * height + k])
         if ti.static(cells > 0):
@@ -200,7 +200,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
             for cell in range(cells):
                 x = (ti.cast(cell % across, types.real) + 0.5) * side
                 y = (ti.cast(cell // across, types.real) + 0.5) * side
-                under = lanes(0.0)
+                outside = (x > numbers[b * width + at.size[0]]) | (y > numbers[b * width + at.size[1]])
+                under = ti.select(outside, 1.0, lanes(0.0))
                 for j in range(count):
                     obstacle = see.obstacle_at(obstacles, b, count, j)
                     off = (x - obstacle.x) * (x - obstacle.x) + (y - obstacle.y) * (y - obstacle.y)
@@ -222,7 +223,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
             squares += free * visits * visits
         mean = total / larger(n, 1.0)
         variance = larger(squares / larger(n, 1.0) - mean * mean, 0.0)
-        keep(sums, b, ti.static(names.index("visit-variation")), clock[b, DONE] > 0.5, ti.sqrt(variance) / safe(mean))
+        ended = (clock[b, DONE] > 0.5) & (mean > 0.0)
+        keep(sums, b, ti.static(names.index("visit-variation")), ended, ti.sqrt(variance) / safe(mean))
 
     @ti.func
     def measure(

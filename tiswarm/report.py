@@ -17,7 +17,8 @@ OUTCOMES = ("arrived", "captured", "crashed", "alive", "ticks", "first_arrival",
 """What is kept of each trial besides the study's measures."""
 
 COMPUTED = {
-    "mean": "mean and stderr are over the trials of a cell; prey of one trial share its luck, so that the trial is the unit",
+    "mean": "mean and stderr are over the trials of a cell; prey of one trial share its luck, so that the trial is the unit; "
+    "trials that have no value of a measure are left out",
     "share": "95 % interval of {names}: Wilson's, at the effective number of independent prey (prey pooled over trials, divided"
     " by the design effect between trials)",
     "normal": "95 % interval of {names}: normal approximation, mean ± 1.96 stderr",
@@ -52,6 +53,10 @@ class Row:
         """Give a measure of each trial: [trial]."""
         return np.asarray(self.outcomes[measure], np.float64)
 
+    def counted(self, measure: str) -> int:
+        """Count the trials that have a measure at all."""
+        return int(np.isfinite(self.values(measure)).sum())
+
     def estimate(self, measure: str) -> Estimate:
         """Estimate a measure from our trials."""
         values = self.values(measure)
@@ -61,7 +66,7 @@ class Row:
 
     def published_stderr(self, measure: str) -> float:
         """Give the standard error of the published mean, its spread of trials taken to be ours."""
-        sd = float(np.std(self.values(measure), ddof=1)) if self.trials > 1 else math.nan
+        sd = self.estimate(measure).stderr * math.sqrt(self.counted(measure))
         return self.spread * sd / math.sqrt(self.published_trials)
 
     def z(self, measure: str) -> float:
@@ -113,7 +118,12 @@ class Report:
                 raise ValueError(f"correlate: '{name}' is not a number in every cell; correlate an axis of numbers")
             return np.array(values, np.float64)
 
-        return [correlation(pair.x, pair.y, over(pair.x), over(pair.y)) for pair in self.study.correlate]
+        found = []
+        for pair in self.study.correlate:
+            x, y = over(pair.x), over(pair.y)
+            both = np.isfinite(x) & np.isfinite(y)
+            found.append(correlation(pair.x, pair.y, x[both], y[both]))
+        return found
 
     def pairs(self, rows: list[Row], measure: str) -> list[Paired]:
         """Test every row of a table against its first one."""
@@ -131,13 +141,18 @@ class Report:
         return told | ({"correlation": COMPUTED["correlation"]} if self.study.correlate else {})
 
     def cells(self) -> list[dict[str, Any]]:
-        """Lay the estimates out, one line a cell: its number and place, n, and mean, stderr, low, high of each measure."""
+        """Lay the estimates out, one line a cell: its number and place, n, and mean, stderr, low, high of each measure.
+
+        A measure that some trials do not have says of how many its estimates are, as MEASURE_n.
+        """
+        partial = [name for name in self.study.measures if any(row.counted(name) < row.trials for row in self.rows)]
         lines = []
         for row in self.rows:
             line = {**self.place(row), "n": row.trials}
             for measure in self.study.measures:
                 ours = row.estimate(measure)
                 ends = {"": ours.mean, "_stderr": ours.stderr, "_low": ours.low, "_high": ours.high}
+                ends |= {"_n": row.counted(measure)} if measure in partial else {}
                 line |= {f"{measure}{end}": value for end, value in ends.items()}
             lines.append(line)
         return lines

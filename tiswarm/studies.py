@@ -11,11 +11,9 @@ import numpy as np
 from tiswarm import runtime
 from tiswarm.batch import Progress, simulate_many
 from tiswarm.designs import Cell, Figure, Published, cells, find_study, load_study, published_means
-from tiswarm.explain import ScenarioError
 from tiswarm.layout import Structure
 from tiswarm.ledger import Ledger
 from tiswarm.progress import reporting
-from tiswarm.registry import nearest
 from tiswarm.report import OUTCOMES, Report, Row
 from tiswarm.results import Results
 from tiswarm.scenario import Scenario
@@ -112,22 +110,8 @@ def _unmixed(scenario: Scenario) -> tuple[Any, ...]:
 
 
 def outcomes_of(results: Results, measures: Sequence[str]) -> dict[str, np.ndarray]:
-    """Give what is kept of a cell's trials: name -> [trial]. Errors: ScenarioError for an unknown measure."""
-    return {name: getattr(results, name) for name in OUTCOMES} | {name: measured(results, name) for name in measures}
-
-
-def measured(results: Results, name: str) -> np.ndarray:
-    """Give a measure of each trial, one that all trials have or one of their own measures: [trial].
-
-    Errors: ScenarioError for an unknown one.
-    """
-    own: Mapping[str, np.ndarray] = getattr(results, "measures", {})
-    if name in own:
-        return np.asarray(own[name], np.float64)
-    known = ["success", "time", "impact_spread", *OUTCOMES]
-    if name not in known:
-        raise ScenarioError(f"measures: unknown '{name}'; {nearest(name, [*known, *own])}")
-    return np.asarray(getattr(results, name), np.float64)
+    """Give what is kept of a cell's trials: name -> [trial]."""
+    return {name: getattr(results, name) for name in OUTCOMES} | {name: results.measure(name) for name in measures}
 
 
 def _close(ledger: Ledger, report: Report) -> None:

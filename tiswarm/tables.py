@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from rich import box
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 
 from tiswarm.axes import label
@@ -13,6 +14,8 @@ from tiswarm.contest import SHOWN, Contest
 from tiswarm.intervals import Correlation
 from tiswarm.report import Report, Row
 from tiswarm.results import Estimate, Results
+
+WIDEST = 10_000
 
 
 def print_summary(results: Results, out: Console) -> None:
@@ -42,15 +45,24 @@ def print_report(report: Report, out: Console, played: Contest | None = None) ->
 
 
 def _print_cells(report: Report, out: Console) -> None:
-    """Print all cells; intervals are left to cells.csv where a terminal is too narrow, and a file is as wide as it takes."""
+    """Print all cells; a file is as wide as it takes."""
     named = report.study.tables is not None
-    table = cell_table(report.rows, report.keys, report.study.measures, named)
-    needed = out.measure(table).maximum
-    if needed > out.width and out.is_terminal:
-        table = cell_table(report.rows, report.keys, report.study.measures, named, intervals=False)
-    out.width = out.width if out.is_terminal else max(out.width, needed)
+    if not out.is_terminal:
+        out.width = max(out.width, _width(cell_table(report.rows, report.keys, report.study.measures, named), out))
+    table = fitting(report.rows, report.keys, report.study.measures, named, out)
     table.title = f"{report.study.title}\n{report.study.source}".strip()
     out.print(table)
+
+
+def fitting(rows: Sequence[Row], keys: Sequence[str], measures: Sequence[str], named: bool, out: Console) -> Table:
+    """Lay cells out; intervals are left to cells.csv where a terminal is too narrow for them."""
+    table = cell_table(rows, keys, measures, named)
+    return table if _width(table, out) <= out.width else cell_table(rows, keys, measures, named, intervals=False)
+
+
+def _width(table: Table, out: Console) -> int:
+    """Tell how wide a table would like to be."""
+    return Measurement.get(out, out.options.update(max_width=WIDEST), table).maximum
 
 
 def _print_rows(report: Report, out: Console) -> None:
@@ -104,10 +116,15 @@ def cell_table(
         for measure in measures:
             ours = row.estimate(measure)
             digits = digits_of(measure, ours)
-            cells.append(f"{ours.mean:.{digits}f} ± {ours.stderr:.{digits}f}")
+            cells.append(f"{ours.mean:.{digits}f} ± {ours.stderr:.{digits}f}" if math.isfinite(ours.mean) else "–")
             if intervals:
-                cells.append(f"{ours.low:.{digits}f} … {ours.high:.{digits}f}")
+                cells.append(f"{ours.low:.{digits}f} … {ours.high:.{digits}f}" if math.isfinite(ours.stderr) else "–")
         table.add_row(str(row.cell.number), *([row.cell.table.name] if named else []), *places, f"{row.trials:,}", *cells)
+    for column in (
+        table.columns[0],
+        *table.columns[-len(measures) * (1 + intervals) - 1 :],
+    ):  # numbers stay whole, names give way
+        column.min_width = max((len(str(each)) for each in column.cells), default=0)
     return table
 
 
@@ -139,7 +156,7 @@ def print_contest(played: Contest, title: str, out: Console) -> None:
             marks = ("+" if played.best[0][r, c] else " ") + ("-" if played.best[1][r, c] else " ")
             cells.append(f"{each.mean:.4f} ({each.low:.4f} … {each.high:.4f}) {marks}")
         table.add_row(name, *cells, played.dominator("rows", r))
-    out.width = out.width if out.is_terminal else max(out.width, out.measure(table).maximum)
+    out.width = out.width if out.is_terminal else max(out.width, _width(table, out))
     out.print(table)
     out.print(
         f"{played.measure} with its 95 % interval; + the prey's best answer to the column, - the predators' best to the row"

@@ -57,10 +57,10 @@ def bench(
     played = contest(report)
     if played is not None:
         write_text(folder / "game.json", played.to_json())
-    tables.print_report(report, out, played)
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
         charts.draw(report, folder, played)
+    tables.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
         runs = sum(row.trials for row in report.rows)
         held = len(report.rows) - report.ran

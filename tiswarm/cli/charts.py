@@ -110,7 +110,8 @@ def _pairs(report: Report, rows: list[Row], folder: Path) -> None:
 def _scatter(report: Report, rows: list[Row], folder: Path) -> None:
     from render.charts import Cloud, scatter
 
-    table, names = rows[0].cell.table, [row.cell.row for row in rows]
+    table = rows[0].cell.table
+    names = [] if table.combine == "latin" else [row.cell.row for row in rows]
     if {"success", "time"} <= set(report.study.measures):
         x, x_low, x_high = _ends(rows, "time")
         y, y_low, y_high = _ends(rows, "success")
@@ -128,7 +129,9 @@ def _correlations(report: Report, folder: Path) -> None:
     for each in report.correlations:
         y, low, high = _ends(rows, each.y)
         x = _ends(rows, each.x)[0] if each.x in measures else np.array([float(row.cell.point[each.x]) for row in rows])
-        cloud = Cloud([row.cell.row for row in rows], x, y, np.zeros(len(rows)), (high - low) / 2)
+        logarithmic = any(each.x in axis.keys and axis.scale == "log" for axis in rows[0].cell.table.axes)
+        names = [] if rows[0].cell.table.combine == "latin" else [row.cell.row for row in rows]
+        cloud = Cloud(names, x, y, np.zeros(len(rows)), (high - low) / 2, logarithmic)
         r, rho = each.pearson, each.spearman
         note = (
             f"Pearson r {r[0]:.2f} ({r[1]:.2f} to {r[2]:.2f}), Spearman rho {rho[0]:.2f} ({rho[1]:.2f} to {rho[2]:.2f}), "

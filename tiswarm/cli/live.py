@@ -21,7 +21,7 @@ def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Cal
     from rich.live import Live
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from tiswarm.tables import cell_table
+    from tiswarm.tables import fitting
 
     console = Console(stderr=True)
     bar = Progress(TextColumn("  trials"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console)
@@ -31,7 +31,8 @@ def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Cal
     def picture() -> Group:
         shown = rows[-max(console.height - FRAME, 3) :]
         keys = list(dict.fromkeys(key for row in shown for key in row.cell.point))
-        return Group(cell_table(shown, keys, measures, named=True), bar)
+        named = len({row.cell.table.name for row in rows}) > 1
+        return Group(fitting(shown, keys, measures, named, console), bar)
 
     begin_work()
     with Live(bar, console=console, transient=True, refresh_per_second=8) as live:
