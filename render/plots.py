@@ -55,7 +55,7 @@ def _paths(recording: Recording, what: str, unit: str, path: Path) -> Path:
             if not wraps and prey.shape[1] > len(HUES):
                 _mean(axis, recording, prey[..., k])
             if hunters.shape[1]:
-                own = axis.plot(_time(recording), hunters[..., k], color=PUBLISHED, linewidth=1.3, alpha=0.9, zorder=4)
+                own = axis.plot(_time(recording), hunters[..., k], color=PUBLISHED, linewidth=0.8, alpha=0.6, zorder=1.5)
                 own[0].set_label("predator" if len(own) == 1 else "predators")
             if what == "position" and world.boundary != "open":
                 axis.set_ylim(0, world.size[k])
@@ -68,8 +68,10 @@ def _neighbours(recording: Recording, path: Path) -> Path:
     distances = metrics.neighbour_distances(recording)
     with _panels(recording, 1, path, 3.4) as (axis,):
         if np.isfinite(distances).any():
-            _lines(axis, recording, distances)
-            _mean(axis, recording, distances)
+            pair = recording.prey.count == 2  # each is the other's nearest
+            if not pair:
+                _lines(axis, recording, distances)
+            _mean(axis, recording, distances, "both prey" if pair else "mean")
             spacing = recording.scenario.prey.spacing
             axis.axhline(spacing, color=INK, linewidth=1.0, linestyle=":", label=f"spacing, {spacing:g} m", zorder=2)
             axis.set_ylim(bottom=0)
@@ -104,27 +106,18 @@ def _coverage(recordings: Sequence[Recording], path: Path) -> Path:
         if many:
             axis.plot(time, percent, color=OURS, linewidth=0.7, alpha=0.4)[0].set_label("one trial each")
         axis.plot(time, mean, color=OURS, linewidth=2.4, label="mean" if many else "_", zorder=3)
-        for share in PASSED:
-            passed = np.flatnonzero(mean >= 100 * share)
-            if len(passed):
-                at = time[passed[0]]
-                axis.plot(at, 100 * share, "o", markersize=6, mfc="white", mec=OURS, mew=1.6, zorder=4)
-                _tell(
-                    axis,
-                    f"{100 * share:g} % after {at:,.0f} s" if at >= 100 else f"{100 * share:g} % after {at:.3g} s",
-                    (at, 100 * share),
-                    right=at > 0.7 * time[-1],
-                )
+        passed = [(100 * share, time[mean >= 100 * share][:1]) for share in PASSED if mean[-1] >= 100 * share]
+        if passed:
+            told = ", ".join(f"{share:g} % after {_seconds(at.item())}" for share, at in passed)
+            marks: Any = {"markersize": 6, "mfc": "white", "mec": OURS, "mew": 1.6, "zorder": 4}
+            axis.plot([at.item() for _, at in passed], [share for share, _ in passed], "o", label=told, **marks)
         axis.set_ylim(0, 104)
         axis.set_ylabel("swept share of the ground [%]")
     return path
 
 
-def _tell(axis: Any, text: str, at: tuple[float, float], right: bool) -> None:
-    """Write below a point of a rising curve, on the side where there is room."""
-    place = {"textcoords": "offset points", "xytext": (-4 if right else 8, -15), "ha": "right" if right else "left"}
-    backing = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}
-    axis.annotate(text, at, fontsize=8, bbox=backing, zorder=5, **place)
+def _seconds(time: float) -> str:
+    return f"{time:,.0f} s" if time >= 100 else f"{time:.3g} s"
 
 
 @contextmanager
@@ -147,7 +140,8 @@ def _panels(recording: Recording, count: int, path: Path, height: float = 2.3, t
         figure.align_ylabels(panels)
         handles, labels = panels[0].get_legend_handles_labels()
         if handles:
-            legend = figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8), frameon=False)
+            tight = {"columnspacing": 1.3, "handlelength": 1.4, "handletextpad": 0.5}
+            legend = figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False, **tight)
             for line in legend.get_lines():
                 line.set(linewidth=max(line.get_linewidth(), 1.4), alpha=1.0 if line.get_linewidth() > 1 else 0.6)
 
@@ -162,11 +156,11 @@ def _lines(axis: Any, recording: Recording, values: np.ndarray) -> None:
         axis.plot(_time(recording), values[:, k], label=label, **look)
 
 
-def _mean(axis: Any, recording: Recording, values: np.ndarray) -> None:
+def _mean(axis: Any, recording: Recording, values: np.ndarray, label: str = "mean") -> None:
     """Draw the mean over the prey that have a value: [tick, agent]."""
     count = np.isfinite(values).sum(axis=1)
     mean = np.divide(np.nansum(values, axis=1), count, out=np.full(len(values), np.nan), where=count > 0)
-    axis.plot(_time(recording), mean, color=INK, linewidth=2.0, label="mean", zorder=3)
+    axis.plot(_time(recording), mean, color=INK, linewidth=2.0, label=label, zorder=3)
 
 
 def _values(swarm: Swarm, what: str, size: tuple[float, ...] | None) -> np.ndarray:
