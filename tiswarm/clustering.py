@@ -29,6 +29,8 @@ def board_rows(dim: int) -> SimpleNamespace:
         "reach": SUBSETS // 2,
         "best": MOST * SUBSETS,
         "middle": MOST * dim,
+        "best_middle": MOST * dim,
+        "base": MOST * dim,
         "size": MOST,
         "leave": MOST,
         "join": MOST,
@@ -40,9 +42,13 @@ def board_rows(dim: int) -> SimpleNamespace:
     return at
 
 
-def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
-    """Build `cluster`, which works on rows of a board that begin at row r, for n prey; and `knee`."""
+def build(layout, types: SimpleNamespace, uniform):
+    """Build `cluster`, which works on rows of a board that begin at row r, for the n prey that begin at row a.
+
+    layout: the rows of prey and of a block's whole numbers (`layout.Layout`).
+    """
     lanes, real = types.lanes, types.real
+    dim, own_rows, rows = len(layout.axes), layout.agent_rows["prey"], layout.rows
     at = board_rows(dim)
     few = partition.build(types, dim, at)
     many = exchange.build(types, dim, MOST, at, uniform)
@@ -96,7 +102,7 @@ def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
         return found
 
     @ti.func
-    def fill_slots(board: ti.template(), r, n, prey: ti.template(), a, own_rows, place_rows: ti.template(), alive_row):
+    def fill_slots(board: ti.template(), r, n, prey: ti.template(), a):
         """Put each lane's first alive prey side by side, at their way from the first one; give how many are alive.
 
         Prey that coincide are then at exactly zero, wherever in the world they are.
@@ -106,11 +112,11 @@ def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
         alive_count = lanes(0.0)
         origin = [lanes(0.0) for _ in ti.static(range(dim))]
         for i in range(n):
-            alive = prey[a + i * own_rows + alive_row]
+            alive = prey[a + i * own_rows + rows.alive]
             first = (alive > 0.5) & (alive_count < 0.5)
             board[r + at.points + at.alive * n + i] = alive
             for k in ti.static(range(dim)):
-                there = prey[a + i * own_rows + place_rows[k]]
+                there = prey[a + i * own_rows + rows.place[k]]
                 origin[k] = ti.select(first, there, origin[k])
                 way = there - origin[k]
                 board[r + at.points + (at.place + k) * n + i] = way
@@ -164,7 +170,7 @@ def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
             board[row] = own
 
     @ti.func
-    def put_centres(board: ti.template(), r, n, prey: ti.template(), a, own_rows, place_rows: ti.template()):
+    def put_centres(board: ti.template(), r, n, prey: ti.template(), a):
         """Write each cluster's mean position down: the origin for clusters that are not there, as means of nobody are."""
         for c in range(MOST):
             size = lanes(0.0)
@@ -173,30 +179,17 @@ def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
                 own = ti.select(board[r + at.points + at.label * n + i] == ti.cast(c, real), 1.0, 0.0)
                 size += own
                 for k in ti.static(range(dim)):
-                    total[k] += own * prey[a + i * own_rows + place_rows[k]]
+                    total[k] += own * prey[a + i * own_rows + rows.place[k]]
             share = 1.0 / larger(size, 1.0)
             for k in ti.static(range(dim)):
                 board[r + at.centres + c * dim + k] = share * total[k]
 
     @ti.func
     def cluster(
-        board: ti.template(),
-        r,
-        n,
-        prey: ti.template(),
-        a,  # where the block's prey begin
-        own_rows,
-        place_rows: ti.template(),
-        alive_row,
-        most,
-        restarts,
-        trial,
-        tick,
-        key_low,
-        key_high,
+        board: ti.template(), r, n, prey: ti.template(), a, most, restarts, trial, tick, key_low, key_high
     ):
-        """Find count, centres and labels of the clusters of each lane's alive prey. most, restarts: [lane]."""
-        alive_count = fill_slots(board, r, n, prey, a, own_rows, place_rows, alive_row)
+        """Find count, centres and labels of the clusters of each lane's alive prey. most, restarts, trial, tick: [lane]."""
+        alive_count = fill_slots(board, r, n, prey, a)
         most_clusters = ti.cast(most.max() + 0.5, ti.i32)
         points = ti.min(ti.cast(alive_count.max() + 0.5, ti.i32), FEW)
         is_few = alive_count < FEW + 0.5
@@ -221,11 +214,12 @@ def build(types: SimpleNamespace, dim: int, uniform) -> SimpleNamespace:
             label_many(board, r, n, board[r + at.count])
         label_few(board, r, n, is_few)
         renumber(board, r, n)
-        put_centres(board, r, n, prey, a, own_rows, place_rows)
+        put_centres(board, r, n, prey, a)
 
-    return SimpleNamespace(at=at, cluster=cluster)
+    return cluster
 
 
+@ti.func
 def clusters_of(number):
     """Bring a weight that counts clusters into the range that a board has room for, [lane]."""
     return smaller(larger(number, 1.0), float(MOST))

@@ -20,8 +20,8 @@ BEYOND = 1e30
 def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, uniform) -> SimpleNamespace:
     """Build `search`, which works on rows of a board that begin at row r.
 
-    most: clusters that there may be. at: the first rows of middle (cluster * dim), size, leave and join (cluster), inertia
-    (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point), draft, weight, and kept
+    most: clusters that there may be. at: the first rows of middle, base and best_middle (cluster * dim), size, leave and join
+    (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point), draft, weight, and kept
     (k - 1, point).
     """
     lanes = types.lanes
@@ -39,15 +39,16 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         board[r + at.join + c] = size / (size + 1.0)
 
     @ti.func
-    def gather(board: ti.template(), r, n, c, labels):
+    def gather(board: ti.template(), r, n, c):
         """Put a cluster's middle at the mean of its points."""
         size = lanes(0.0)
         total = [lanes(0.0) for _ in ti.static(range(dim))]
         for i in range(n):
-            own = ti.select(board[labels + i] == ti.cast(c, types.real), board[r + at.points + at.alive * n + i], 0.0)
-            size += own
+            own = board[r + at.points + at.draft * n + i] == ti.cast(c, types.real)
+            share = ti.select(own, board[r + at.points + at.alive * n + i], 0.0)
+            size += share
             for k in ti.static(range(dim)):
-                total[k] += own * board[r + at.points + (at.place + k) * n + i]
+                total[k] += share * board[r + at.points + (at.place + k) * n + i]
         for k in ti.static(range(dim)):
             board[r + at.middle + c * dim + k] = total[k] / larger(size, 1.0)
         resize(board, r, c, size)
@@ -64,7 +65,7 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
                 nearest = ti.select(distance2 < nearest, distance2, nearest)
             board[draft + i] = chosen
         for c in range(clusters):
-            gather(board, r, n, c, draft)
+            gather(board, r, n, c)
 
     @ti.func
     def change(board: ti.template(), r, n, i, clusters, moves, own, to):
@@ -109,7 +110,6 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
                 sweeps = SWEEPS
         inertia = lanes(0.0)
         for c in range(clusters):
-            gather(board, r, n, c, draft)
             for i in range(n):
                 away = away_from(board, r, n, i, c)
                 own = board[draft + i] == ti.cast(c, types.real)
@@ -126,16 +126,16 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         kept = r + at.points + (at.kept + clusters - 1) * n
         for i in range(n):
             board[kept + i] = ti.select(better, board[r + at.points + at.draft * n + i], board[kept + i])
+        for each in range(clusters * dim):
+            board[r + at.best_middle + each] = ti.select(better, board[r + at.middle + each], board[r + at.best_middle + each])
 
     @ti.func
-    def grow(board: ti.template(), r, n, clusters):
-        """Start with one cluster less as it was best, and each point as a new one (Likas, Vlassis, Verbeek 2003)."""
-        for i in range(n):
-            for c in range(clusters - 1):
-                gather(board, r, n, c, r + at.points + (at.kept + clusters - 2) * n)
-            for k in ti.static(range(dim)):
-                board[r + at.middle + (clusters - 1) * dim + k] = board[r + at.points + (at.place + k) * n + i]
-            keep_better(board, r, n, clusters, board[r + at.points + at.alive * n + i])
+    def grow(board: ti.template(), r, n, clusters, i):
+        """Start with one cluster less as it was best, and point i as a new one (Likas, Vlassis, Verbeek 2003)."""
+        for each in range((clusters - 1) * dim):
+            board[r + at.middle + each] = board[r + at.base + each]
+        for k in ti.static(range(dim)):
+            board[r + at.middle + (clusters - 1) * dim + k] = board[r + at.points + (at.place + k) * n + i]
 
     @ti.func
     def scatter(board: ti.template(), r, n, clusters, attempt, trial, tick, key_low, key_high):
@@ -169,17 +169,23 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
     def search(board: ti.template(), r, n, clusters, restarts, trial, tick, key_low, key_high):
         """Find partitions of small inertia into 1, 2, ..., `clusters` clusters; restarts: drawn starts for each, [lane]."""
         most_restarts = ti.cast(restarts.max() + 0.5, ti.i32)
+        for each in range(dim):
+            board[r + at.middle + each] = lanes(0.0)
         for k in range(1, clusters + 1):
             board[r + at.inertia + k - 1] = lanes(BEYOND)
-            if k == 1:
-                for axis in ti.static(range(dim)):
-                    board[r + at.middle + axis] = lanes(0.0)
-                keep_better(board, r, n, 1, lanes(1.0))
-            else:
-                grow(board, r, n, k)
-                for attempt in range(most_restarts):
-                    scatter(board, r, n, k, attempt, trial, tick, key_low, key_high)
-                    allowed = ti.select(restarts > ti.cast(attempt, types.real) + 0.5, 1.0, 0.0)
-                    keep_better(board, r, n, k, allowed)
+            for each in range(most * dim):
+                board[r + at.base + each] = board[r + at.best_middle + each]
+            attempts = 1
+            if k > 1:
+                attempts = n + most_restarts
+            for attempt in range(attempts):
+                allowed = lanes(1.0)
+                if k > 1 and attempt < n:
+                    grow(board, r, n, k, attempt)
+                    allowed = board[r + at.points + at.alive * n + attempt]
+                if attempt >= n:
+                    scatter(board, r, n, k, attempt - n, trial, tick, key_low, key_high)
+                    allowed = ti.select(restarts > ti.cast(attempt - n, types.real) + 0.5, 1.0, 0.0)
+                keep_better(board, r, n, k, allowed)
 
     return SimpleNamespace(search=search)

@@ -28,6 +28,8 @@ class Single:
         self.scenario = scenario
         self.seed = seed
         self._blocks = Blocks([scenario], 1)
+        surveying = self._blocks.layout.parts("predators", "strategy", "survey")
+        self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
@@ -120,7 +122,7 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
 
     def note() -> None:
         for kind, kept in rows.items():
-            kept.append((single.position(kind), single.velocity(kind), single.memory(kind)))
+            kept.append((single.position(kind), single.velocity(kind), single.memory(kind), single.groups(kind)))
 
     note()
     while not single.ended:
@@ -132,7 +134,8 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
         position = positions[kind]
         velocity = np.stack([row[1] for row in rows[kind]])
         state = _states(single.scenario, kind, position, positions[other], [row[2] for row in rows[kind]])
-        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, _groups(single.scenario, kind, position))
+        group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
+        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, group)
     centres, radii = single.obstacles()
     return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
 
@@ -153,8 +156,10 @@ def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndar
     return state
 
 
-def _groups(scenario: Scenario, kind: str, position: np.ndarray) -> np.ndarray:
-    """Give each agent's sub-swarm, -1 for a swarm that does not split."""
+def _groups(scenario: Scenario, kind: str, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
+    """Give each agent's sub-swarm in each row, -1 for none: as predators survey it, else as prey split up themselves."""
+    if surveyed[0] is not None:
+        return np.stack(surveyed).astype(np.int32)
     group = np.full(position.shape[:2], -1, np.int32)
     for name in registry.parts(kind, getattr(scenario, kind).strategy):
         strategy = registry.load(kind, name)
