@@ -152,7 +152,7 @@ def build(layout, types: SimpleNamespace, uniform):
 
     @ti.func
     def renumber(board: ti.template(), r, n):
-        """Number clusters by their first alive prey, whatever found them; those who are gone get -1. Works on `size`."""
+        """Give clusters numbers by their first alive prey, whatever found them, and -1 to those who are gone; works on `size`."""
         for c in range(MOST):
             board[r + at.size + c] = lanes(-1.0)
         known = lanes(0.0)
@@ -185,9 +185,7 @@ def build(layout, types: SimpleNamespace, uniform):
                 board[r + at.centres + c * dim + k] = share * total[k]
 
     @ti.func
-    def cluster(
-        board: ti.template(), r, n, prey: ti.template(), a, most, restarts, trial, tick, key_low, key_high
-    ):
+    def cluster(board: ti.template(), r, n, prey: ti.template(), a, most, restarts, trial, tick, key_low, key_high):
         """Find count, centres and labels of the clusters of each lane's alive prey. most, restarts, trial, tick: [lane]."""
         alive_count = fill_slots(board, r, n, prey, a)
         most_clusters = ti.cast(most.max() + 0.5, ti.i32)

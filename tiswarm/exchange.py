@@ -21,15 +21,17 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
     """Build `search`, which works on rows of a board that begin at row r.
 
     most: clusters that there may be. at: the first rows of middle, base and best_middle (cluster * dim), size, leave and join
-    (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point), draft, weight, and kept
-    (k - 1, point).
+    (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point),
+    draft, weight, and kept (k - 1, point).
     """
     lanes = types.lanes
 
     @ti.func
     def away_from(board: ti.template(), r, n, i, c):
         """Give the way from a cluster's middle to a point."""
-        return [board[r + at.points + (at.place + k) * n + i] - board[r + at.middle + c * dim + k] for k in ti.static(range(dim))]
+        return [
+            board[r + at.points + (at.place + k) * n + i] - board[r + at.middle + c * dim + k] for k in ti.static(range(dim))
+        ]
 
     @ti.func
     def resize(board: ti.template(), r, c, size):

@@ -176,9 +176,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         if ti.static(frame.verlet):
             steps.predators.drift(predators, numbers, b, counts[1])
         for survey in ti.static(surveys):
-            survey(
-                prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high
-            )
+            survey(prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high)
         quarry = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)

@@ -35,9 +35,7 @@ def build(types: SimpleNamespace, dim: int, at: SimpleNamespace) -> SimpleNamesp
         for t in range(points):
             board[r + at.reach] = lanes(0.0)
             for u in range(t):
-                away = [
-                    board[r + at.slots + t * dim + k] - board[r + at.slots + u * dim + k] for k in ti.static(range(dim))
-                ]
+                away = [board[r + at.slots + t * dim + k] - board[r + at.slots + u * dim + k] for k in ti.static(range(dim))]
                 for q in range(1 << u):
                     board[r + at.reach + (1 << u) + q] = board[r + at.reach + q] + dot(away, away)
             for q in range(1 << t):

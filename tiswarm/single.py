@@ -47,7 +47,44 @@ class Single:
 
     def step(self, ticks: int = 1) -> None:
         """Run so many ticks, fewer when the trial ends before."""
-        self._advance(ticks)
+        if not self._live:
+            self._advance(ticks)
+            return
+        for _ in range(ticks):
+            if not self.ended:
+                self._consult()
+                self._advance(1)
+
+    def _consult(self) -> None:
+        """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
+        arrays = [each for each in vars(self._blocks).values() if isinstance(each, np.ndarray)]
+        before = [each.copy() for each in arrays]
+        here = self._agents("prey")[self._rows.alive] > 0.5
+        self._advance(1)
+        position = self._agents("prey")[self._rows.place].T.astype(np.float64)
+        position[~here] = np.nan
+        for each, kept in zip(arrays, before, strict=True):
+            each[...] = kept
+        for part in self._live:
+            part.strategy.consult(self._board(part), position, self.scenario.predators.weights)
+
+    def _board(self, part: Any) -> np.ndarray:
+        """Give a view of what a predator strategy's survey wrote in lane 0: [row]."""
+        rows, count = self._blocks.layout.board, self.scenario.prey.count
+        return self._blocks.board[part.board.fixed + part.board.each * count : rows.fixed + rows.each * count, 0]
+
+    def groups(self, kind: str) -> np.ndarray | None:
+        """Give the sub-swarms of the last move, [agent], -1 for none; None when predators do not split up."""
+        for part in self._blocks.layout.parts("predators", "strategy", "survey"):
+            if self.ticks == 0:
+                return np.full(getattr(self.scenario, kind).count, -1)
+            if kind == "predators":
+                found = part.strategy.groups(self.memory(kind)[part.part.name])
+            else:
+                found = part.strategy.prey_groups(self._board(part), self.scenario.prey.count, self.scenario.world.dim)
+            if found is not None:
+                return np.asarray(found)
+        return None
 
     @property
     def ended(self) -> bool:

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 
-STARTS = 50
+STARTS = 20
 
 
 def sub_swarms(position: np.ndarray, most: int) -> tuple[int, np.ndarray, np.ndarray]:
@@ -24,7 +24,7 @@ def sub_swarms(position: np.ndarray, most: int) -> tuple[int, np.ndarray, np.nda
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # fewer different points than clusters; a curve that is flat
         for k in range(1, min(most, len(points) - 1) + 1):
-            fitted = KMeans(k, n_init=STARTS, random_state=0).fit(points)
+            fitted = KMeans(k, n_init=STARTS, random_state=k).fit(points)
             inertias[k - 1], labels[k - 1] = fitted.inertia_, fitted.labels_
         knee = KneeLocator(np.arange(1, most + 1), inertias, curve="convex", direction="decreasing").knee
     count = int(knee or 1)

@@ -50,13 +50,11 @@ class Predator:
 
     @staticmethod
     def groups(memory):
-        """Give each predator's sub-swarm for recordings, [agent], -1 for none, from memory; None when the swarm does not split."""
-        return None
+        """Give each predator's sub-swarm for recordings, [agent], -1 for none, from memory; None when predators do not split."""
 
     @staticmethod
     def prey_groups(board, prey_count, dim):
-        """Give the sub-swarm that predators take each prey for, [prey], -1 for none, from one trial's board."""
-        return None
+        """Give the sub-swarm that predators take each prey for, [prey], -1 for none, from one trial's board; or None."""
 
     @staticmethod
     def board_rows(dim):
@@ -73,7 +71,7 @@ class Predator:
 
     @staticmethod
     def consult(board, position, weights):
-        """Write on the host into one trial's board what `survey` would. position: [prey, dim], m, NaN for those who are gone."""
+        """Write into one trial's board, on the host, what `survey` would. position: [prey, dim], m, NaN for the gone."""
 
     @staticmethod
     @ti.func

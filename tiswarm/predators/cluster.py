@@ -59,7 +59,7 @@ class Strategy(Predator):
     @staticmethod
     def survey(layout, types, see, uniform, part):
         dim = len(layout.axes)
-        at, rows, lanes = board_rows(dim), layout.rows, types.lanes
+        at, lanes = board_rows(dim), types.lanes
         cluster = clustering.build(layout, types, uniform)
         prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
         group_row, *chased_rows = part.memory_rows
@@ -75,9 +75,7 @@ class Strategy(Predator):
                 nearest = lanes(0.0)
                 least = lanes(0.0)
                 for c in range(MOST):
-                    way = [
-                        board[r + at.centres + c * dim + k] - predators[q + chased_rows[k]] for k in ti.static(range(dim))
-                    ]
+                    way = [board[r + at.centres + c * dim + k] - predators[q + chased_rows[k]] for k in ti.static(range(dim))]
                     distance2 = dot(way, way)
                     closer = (c == 0) | (distance2 < least)
                     closer = closer & (clusters > ti.cast(c, types.real) + 0.5)
