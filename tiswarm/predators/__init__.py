@@ -50,7 +50,7 @@ class Predator:
 
     @staticmethod
     def groups(memory):
-        """Give each predator's sub-swarm for recordings, [agent], -1 for none, from memory; None when predators do not split."""
+        """Give each predator's sub-swarm for recordings, [agent], -1 for none, from memory; None when none split."""
 
     @staticmethod
     def prey_groups(board, prey_count, dim):
