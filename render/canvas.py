@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from render.pixels import AREA, LANES, TILE
 from render.plate import EVERYWHERE, Plate
-from render.raster import AREA, CHUNKS, CONSTANTS, HEAD, LANES, LAY, OVER, PLANES, TILE, WHOLE, paint
+from render.raster import CHUNKS, CONSTANTS, HEAD, LAY, OVER, PLANES, WHOLE, paint
 from render.shapes import COLUMNS, Colour
 from render.text import Atlas
 from tiswarm import runtime

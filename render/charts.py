@@ -69,7 +69,7 @@ def _heat_panel(axis: Any, panel: Heat, limits: tuple[float, float]) -> Any:
     scale = mpl.colormaps["cividis"]
     low, high = limits
     image = axis.imshow(panel.mean, cmap=scale, vmin=low, vmax=high if high > low else low + 1, aspect="auto")
-    digits = 2 if max(abs(low), abs(high)) < 10 else 1 if max(abs(low), abs(high)) < 100 else 0
+    digits = min(max(1 - math.floor(math.log10(high - low)), 0), 4) if high > low else 2
     long = any(len(name) > 5 for name in panel.columns)
     turned: Any = {"rotation": 35, "ha": "right", "rotation_mode": "anchor"} if long else {}
     axis.set_xticks(np.arange(len(panel.columns)), panel.columns, **turned)

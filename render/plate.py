@@ -2,9 +2,8 @@
 
 import numpy as np
 
-
 EVERYWHERE = 0 + 8 * 9
-"""The first pair of rows touched in a tile, and nine times the one past the last: here all of the eight pairs that there are."""
+"""A note of rows: the first pair of them, and nine times the pair past the last one; here all eight pairs of a tile."""
 
 
 class Plate:

@@ -2,14 +2,15 @@
 """Rasterise shapes in linear light with Taichi kernels: signed distance, analytic coverage, one thread per tile.
 
 A tile is painted in scratch memory that stays in the nearest cache, eight pixels of a row at a time (lanes), then encoded into
-the bytes of the frame. Only tiles that a shape of the frame touches are painted; what stands still, the ground, is
-a copy. Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one
-is done on plain numbers, through a second view of the scratch memory.
+the bytes of the frame. Only rows of tiles that a shape touches, or that one touched when the same bytes were drawn on last,
+are painted: all others show the ground already. Lanes know no unary minus, no `abs` and no casts under this project's compiler
+settings (CONTRIBUTING): what needs one is done on plain numbers, through a second view of the scratch memory.
 """
 
-import numpy as np
 import taichi as ti
 
+from render.distance import coverage, larger, smaller
+from render.pixels import ACROSS, AREA, LANES, TILE, encoded, write_rgb, write_yuv
 from render.shapes import (
     ALPHA,
     BOUNDS,
@@ -27,19 +28,12 @@ from render.shapes import (
     STROKE,
     TWEAK,
     WINDOW,
-    encoded,
 )
 from tiswarm import runtime
-
-TILE = 16
-"""Edge of a tile [px]: small enough that a dart wakes few pixels, large enough that a trail is binned into few tiles."""
 
 CHUNKS = 32
 """Tiles are dealt to threads in this many interleaved sets, so that a crowded corner is shared."""
 
-LANES = runtime.LANES
-ACROSS = TILE // LANES
-AREA = TILE * ACROSS  # lanes of one plane of a tile
 MASK = 3  # plane of joined coverage in the scratch memory, after linear red, green and blue
 PLANES = 4
 CONSTANTS = 1 + AREA  # lanes ahead of the planes: 0 1 2 .. 7, then the dither pattern
@@ -55,119 +49,6 @@ _LANE = ti.types.vector(LANES, ti.f32)
 _Lanes = ti.types.ndarray(dtype=_LANE, ndim=1)
 _Numbers = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _Bytes = ti.types.ndarray(dtype=ti.u8, ndim=1)
-
-
-def _gamma_fit() -> tuple[float, ...]:
-    """Fit the sRGB curve above its linear foot by a polynomial in the square root of light: lanes have no power function."""
-    root = np.linspace(0.0031308**0.5, 1, 4000)
-    fit = np.polynomial.Chebyshev.fit(root, encoded(root**2), 7).convert(kind=np.polynomial.Polynomial)
-    return tuple(float(c) for c in fit.coef)
-
-
-_GAMMA = _gamma_fit()
-
-
-@ti.func
-def _most(a, b):
-    """Give the larger: one instruction, where ti.max, which sorts out NaN, is three."""
-    return ti.select(a > b, a, b)
-
-
-@ti.func
-def _least(a, b):
-    return ti.select(a < b, a, b)
-
-
-@ti.func
-def _saturated(x):
-    return _least(_most(x, ti.f32(0.0)), ti.f32(1.0))
-
-
-@ti.func
-def _magnitude(x):
-    return _most(x, ti.f32(0.0) - x)
-
-
-@ti.func
-def _edge_distance2(u, v, au, av, bu, bv):
-    """Squared distance of the points (u, v) from the segment a-b."""
-    eu, ev = bu - au, bv - av
-    h = _saturated(((u - au) * eu + (v - av) * ev) * (ti.f32(1.0) / _most(eu * eu + ev * ev, ti.f32(1e-12))))
-    du, dv = u - au - h * eu, v - av - h * ev
-    return du * du + dv * dv
-
-
-@ti.func
-def _dart_distance(u, v, length, width, notch):
-    """Signed distance from a swept dart: nose at (length, 0), wing tips at (-length, ±width), notch at (notch - length, 0)."""
-    v = _magnitude(v)
-    nothing = ti.f32(0.0)
-    d = ti.sqrt(
-        _least(
-            _edge_distance2(u, v, length, nothing, nothing - length, width),
-            _edge_distance2(u, v, nothing - length, width, notch - length, nothing),
-        )
-    )
-    under_wing = (length - u) * width - v * (ti.f32(2.0) * length)
-    before_tail = (u + length) * width - (width - v) * notch
-    return ti.select(_least(under_wing, before_tail) > ti.f32(0.0), nothing - d, d)
-
-
-@ti.func
-def _beyond(x, y, ax, ay, bx, by):
-    """Signed distance of (x, y) from the line from a to b, above zero on its left."""
-    ex, ey = bx - ax, by - ay
-    return ((x - ax) * ey - (y - ay) * ex) * (ti.f32(1.0) / ti.sqrt(_most(ex * ex + ey * ey, ti.f32(1e-12))))
-
-
-@ti.func
-def _coverage(
-    capsule: ti.template(),
-    kind: ti.i32,
-    ax,
-    ay,
-    bx,
-    by,
-    p,
-    q,
-    tweak,
-    per_soft,
-    stroke,
-    near_alpha,
-    more_alpha,
-    per_length2,
-    x,
-    y,
-):
-    """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
-
-    capsule: whether it is one, known when this is compiled, for most are.
-    per_soft, per_length2: one over the ramp's width, and over the squared length of a capsule. more_alpha: far less near.
-    """
-    nothing = x * ti.f32(0.0)
-    d, along, most = nothing, nothing, nothing + ti.f32(1.0)
-    if ti.static(capsule):
-        ex, ey = bx - ax, by - ay
-        along = _saturated(((x - ax) * ex + (y - ay) * ey) * per_length2)
-        dx, dy = x - ax - along * ex, (y - ay) - along * ey
-        radius = p + along * (q - p)
-        d = ti.sqrt(dx * dx + dy * dy) - radius
-        most = _least(_most(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
-    elif kind == DART:
-        d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
-    elif kind == QUAD:
-        near = _most(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
-        d = _most(near, _most(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
-    else:
-        dx = _magnitude(x - ax) - p + tweak
-        dy = _most(y - ay, ay - y) - q + tweak
-        ox, oy = _most(dx, ti.f32(0.0)), _most(dy, ti.f32(0.0))
-        d = ti.sqrt(ox * ox + oy * oy) + _least(_most(dx, dy), ti.f32(0.0)) - tweak
-        along = nothing + _saturated((y - ay + q) / _most(ti.f32(2.0) * q, ti.f32(1e-6)))
-    if stroke > ti.f32(0.0) and kind != QUAD:
-        d = _magnitude(d) - stroke
-        most = _least(ti.f32(2.0) * stroke, most)
-    return _least(_saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
 
 
 @ti.func
@@ -227,7 +108,7 @@ def _paint_shape(
         for y in range(top, bottom):
             for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
                 x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
-                cover = _coverage(
+                cover = coverage(
                     True,
                     kind,
                     ax,
@@ -245,17 +126,17 @@ def _paint_shape(
                     x,
                     ti.cast(y, ti.f32) + ti.f32(0.5),
                 )
-                cover = ti.select(_least(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
+                cover = ti.select(smaller(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
                 spot = place + (y - y0) * ACROSS + column
                 if grouped:
-                    lanes[spot + MASK * AREA] = _most(lanes[spot + MASK * AREA], cover)
+                    lanes[spot + MASK * AREA] = larger(lanes[spot + MASK * AREA], cover)
                 else:
                     _blend(lanes, spot, red, green, blue, cover)
     else:
         for y in range(top, bottom):
             for column in range((left - x0) // LANES, (right - 1 - x0) // LANES + 1):
                 x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + ti.f32(0.5))
-                cover = _coverage(
+                cover = coverage(
                     False,
                     kind,
                     ax,
@@ -273,7 +154,7 @@ def _paint_shape(
                     x,
                     ti.cast(y, ti.f32) + ti.f32(0.5),
                 )
-                cover = ti.select(_least(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
+                cover = ti.select(smaller(x - first, last - x) > ti.f32(0.0), cover, ti.f32(0.0))
                 _blend(lanes, place + (y - y0) * ACROSS + column, red, green, blue, cover)
 
 
@@ -285,71 +166,6 @@ def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: t
         cover = lanes[spot + MASK * AREA]
         _blend(lanes, spot, red, green, blue, cover)
         lanes[spot + MASK * AREA] = ti.f32(0.0) * cover
-
-
-@ti.func
-def _encoded(light):
-    """Gamma-encode linear light."""
-    x = _saturated(light)
-    root = ti.sqrt(x)
-    curve = root * ti.f32(_GAMMA[7])
-    for power in ti.static(range(6, 0, -1)):
-        curve = (curve + ti.f32(_GAMMA[power])) * root
-    return ti.select(x < ti.f32(0.0031308), x * ti.f32(12.92), curve + ti.f32(_GAMMA[0]))
-
-
-@ti.func
-def _write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, top, bottom):
-    """Write packed red, green and blue bytes of the rows from top to before bottom, whose planes hold encoded colours."""
-    for c in range(3):
-        for row in range(top * ACROSS, bottom * ACROSS):
-            spot = place + c * AREA + row
-            lanes[spot] = _least(lanes[spot] * ti.f32(255.0) + lanes[1 + row], ti.f32(255.0))
-    for y in range(top, bottom):
-        for x in range(x0, x1):
-            for c in range(3):
-                number = numbers[place * LANES + c * TILE * TILE + y * TILE + x - x0]
-                out[((y0 + y) * width + x) * 3 + c] = ti.cast(number, ti.u8)
-
-
-@ti.func
-def _write_yuv(
-    lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, height, x0, y0, x1, top, bottom
-):
-    """Write planar Y'CbCr 4:2:0, BT.709, limited range; one chroma sample stands for the mean of its four pixels.
-
-    The rows from top to before bottom, both even. A row is read whole before it is written: sixteen reads and sixteen writes of
-    their own would be compiled one by one.
-    """
-    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
-        red, green, blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
-        luma = red * ti.f32(0.2126) + green * ti.f32(0.7152) + blue * ti.f32(0.0722)
-        lanes[spot] = luma * ti.f32(219.0) + (lanes[1 + spot - place] + ti.f32(16.0))
-        lanes[spot + AREA] = (blue - luma) * ti.f32(56.0 / 1.8556)
-        lanes[spot + 2 * AREA] = (red - luma) * ti.f32(56.0 / 1.5748)
-    for y in range(top, bottom):
-        first, row = place * LANES + y * TILE, (y0 + y) * width + x0
-        if x1 - x0 == TILE:
-            level = [numbers[first + n] for n in ti.static(range(TILE))]
-            for n in ti.static(range(TILE)):
-                out[row + n] = ti.cast(level[n], ti.u8)
-        else:
-            for n in range(x1 - x0):
-                out[row + n] = ti.cast(numbers[first + n], ti.u8)
-    for c in range(2):
-        plane = height * width * (4 + c) // 4
-        for y in range(top // 2, bottom // 2):
-            above = place + (1 + c) * AREA + 2 * y * ACROSS
-            for column in range(ACROSS):
-                lanes[above + column] = lanes[above + column] + lanes[above + ACROSS + column]
-            first, row = above * LANES, plane + (y0 // 2 + y) * (width // 2) + x0 // 2
-            if x1 - x0 == TILE:
-                four = [numbers[first + 2 * n] + numbers[first + 2 * n + 1] for n in ti.static(range(TILE // 2))]
-                for n in ti.static(range(TILE // 2)):
-                    out[row + n] = ti.cast(four[n] + ti.f32(128.5), ti.u8)
-            else:
-                for n in range((x1 - x0) // 2):
-                    out[row + n] = ti.cast(numbers[first + 2 * n] + numbers[first + 2 * n + 1] + ti.f32(128.5), ti.u8)
 
 
 @ti.func
@@ -415,7 +231,7 @@ def _bin(shapes: ti.template(), windows: ti.template(), bins: ti.template(), col
 
 @ti.func
 def _rows(shapes: ti.template(), bins: ti.template(), first: ti.i32, entries: ti.i32, y0: ti.i32):
-    """Give the rows of a tile that its entries touch, in pairs, for two rows share their chroma: first and one past the last."""
+    """Give the rows of a tile that its entries touch, in pairs, which share their chroma: the first and one past the last."""
     top, bottom = TILE, 0
     for entry in range(first, first + entries):
         n = bins[entry]
@@ -515,8 +331,8 @@ def paint(
                             ground[tile * 3 * AREA + spot] = lanes[place + spot]
                     for c in range(3):
                         for spot in range(place + c * AREA + top * ACROSS, place + c * AREA + bottom * ACROSS):
-                            lanes[spot] = _encoded(lanes[spot])
+                            lanes[spot] = encoded(lanes[spot])
                     if ti.static(as_yuv):
-                        _write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
+                        write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
                     else:
-                        _write_rgb(lanes, numbers, place, out, width, x0, y0, x1, top, bottom)
+                        write_rgb(lanes, numbers, place, out, width, x0, y0, x1, top, bottom)

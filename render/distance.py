@@ -1,0 +1,111 @@
+# mypy: disable-error-code="valid-type,index,operator"
+"""How much of each pixel a shape covers, from its signed distance: functions of lanes, eight pixels of a row at once."""
+
+import taichi as ti
+
+from render.shapes import DART, QUAD
+
+
+@ti.func
+def larger(a, b):
+    """Give the larger: one instruction, where ti.max, which sorts out NaN, is three."""
+    return ti.select(a > b, a, b)
+
+
+@ti.func
+def smaller(a, b):
+    """Give the smaller."""
+    return ti.select(a < b, a, b)
+
+
+@ti.func
+def saturated(x):
+    """Cut to 0..1."""
+    return smaller(larger(x, ti.f32(0.0)), ti.f32(1.0))
+
+
+@ti.func
+def _magnitude(x):
+    return larger(x, ti.f32(0.0) - x)
+
+
+@ti.func
+def _edge_distance2(u, v, au, av, bu, bv):
+    """Squared distance of the points (u, v) from the segment a-b."""
+    eu, ev = bu - au, bv - av
+    h = saturated(((u - au) * eu + (v - av) * ev) * (ti.f32(1.0) / larger(eu * eu + ev * ev, ti.f32(1e-12))))
+    du, dv = u - au - h * eu, v - av - h * ev
+    return du * du + dv * dv
+
+
+@ti.func
+def _dart_distance(u, v, length, width, notch):
+    """Signed distance from a swept dart: nose at (length, 0), wing tips at (-length, ±width), notch at (notch - length, 0)."""
+    v = _magnitude(v)
+    nothing = ti.f32(0.0)
+    d = ti.sqrt(
+        smaller(
+            _edge_distance2(u, v, length, nothing, nothing - length, width),
+            _edge_distance2(u, v, nothing - length, width, notch - length, nothing),
+        )
+    )
+    under_wing = (length - u) * width - v * (ti.f32(2.0) * length)
+    before_tail = (u + length) * width - (width - v) * notch
+    return ti.select(smaller(under_wing, before_tail) > ti.f32(0.0), nothing - d, d)
+
+
+@ti.func
+def _beyond(x, y, ax, ay, bx, by):
+    """Signed distance of (x, y) from the line from a to b, above zero on its left."""
+    ex, ey = bx - ax, by - ay
+    return ((x - ax) * ey - (y - ay) * ex) * (ti.f32(1.0) / ti.sqrt(larger(ex * ex + ey * ey, ti.f32(1e-12))))
+
+
+@ti.func
+def coverage(
+    capsule: ti.template(),
+    kind: ti.i32,
+    ax,
+    ay,
+    bx,
+    by,
+    p,
+    q,
+    tweak,
+    per_soft,
+    stroke,
+    near_alpha,
+    more_alpha,
+    per_length2,
+    x,
+    y,
+):
+    """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
+
+    capsule: whether it is one, known when this is compiled, for most are.
+    per_soft, per_length2: one over the ramp's width, and over the squared length of a capsule. more_alpha: far less near.
+    """
+    nothing = x * ti.f32(0.0)
+    d, along, most = nothing, nothing, nothing + ti.f32(1.0)
+    if ti.static(capsule):
+        ex, ey = bx - ax, by - ay
+        along = saturated(((x - ax) * ex + (y - ay) * ey) * per_length2)
+        dx, dy = x - ax - along * ex, (y - ay) - along * ey
+        radius = p + along * (q - p)
+        d = ti.sqrt(dx * dx + dy * dy) - radius
+        most = smaller(larger(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
+    elif kind == DART:
+        d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
+    elif kind == QUAD:
+        near = larger(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
+        d = larger(near, larger(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
+    else:
+        dx = _magnitude(x - ax) - p + tweak
+        dy = larger(y - ay, ay - y) - q + tweak
+        ox, oy = larger(dx, ti.f32(0.0)), larger(dy, ti.f32(0.0))
+        d = ti.sqrt(ox * ox + oy * oy) + smaller(larger(dx, dy), ti.f32(0.0)) - tweak
+        along = nothing + saturated((y - ay + q) / larger(ti.f32(2.0) * q, ti.f32(1e-6)))
+    if stroke > ti.f32(0.0) and kind != QUAD:
+        d = _magnitude(d) - stroke
+        most = smaller(ti.f32(2.0) * stroke, most)
+    return smaller(saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
