@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.layout import Box
-from render.live import Live
+from render.live import Live, is_sky
 from render.look import Look
 from render.motion import Motion
 from tiswarm.recording import Recording
@@ -22,6 +22,9 @@ FOLLOWED = 0.5
 
 FARTHEST = 0.5
 """How far from the world agents may start and still be shown [share of the world's size]."""
+
+LEFT = 0.2
+"""Share of a recording that the prey's centre may be outside an open world before the camera goes with it."""
 
 CALM = 12
 """A following camera's path is smoothed over about this many ticks."""
@@ -186,24 +189,32 @@ def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> O
     kind, _, agent = look.camera.partition(":")
     if kind == "orbit" or (kind == "fit" and paths.dim == 3):
         return _orbiting(look, view, stage)
-    fit = fitted(view, stage)
-    if kind == "fit":
+    fit, subject = fitted(view, stage), paths.subjects[scene]
+    if kind == "fit" and not _leaves(subject):
         return Operator(lambda _: fit, still=True)
-    subject = paths.subjects[scene]
     if not isinstance(subject, Recording):
         raise ValueError("camera: 'follow' looks ahead, which a live simulation does not let it; record it first, or use fit")
     count = subject.prey.count + subject.predators.count
     if agent and int(agent) >= count:
         raise ValueError(f"camera: no agent {agent} to follow; use 0 to {count - 1}")
     way = _calm_path(subject, int(agent) if agent else None)
-    rows = np.arange(len(way))
+    rows, shown = np.arange(len(way)), 1.0 if kind == "fit" else FOLLOWED
     period = np.array(subject.scenario.world.size[:2]) if subject.scenario.world.boundary == "periodic" else None
 
     def follow(time: float) -> Camera:
         centre = np.array([np.interp(time, rows, way[:, 0]), np.interp(time, rows, way[:, 1])])
-        return Camera(centre if period is None else np.mod(centre, period), fit.middle, fit.scale / FOLLOWED)
+        return Camera(centre if period is None else np.mod(centre, period), fit.middle, fit.scale / shown)
 
     return Operator(follow, still=False)
+
+
+def _leaves(subject: Recording | Live) -> bool:
+    """Tell whether prey wander off for good through an open world in which nothing keeps them: then one must go along."""
+    if not isinstance(subject, Recording) or not is_sky(subject) or subject.scenario.world.boundary != "open":
+        return False
+    size = np.array(subject.scenario.world.size[:2])
+    away = np.abs(np.nanmean(subject.prey.position[..., :2], axis=1) - size / 2) > size / 2
+    return bool(away.any(axis=1).mean() > LEFT)
 
 
 def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:

@@ -45,10 +45,11 @@ def counters(scene: Scene) -> list[Counter]:
     """List what is worth counting in a scene of one subject: only what can happen there."""
     subject, paths, theme = scene.subjects[0], scene.paths, scene.theme
     hunters = paths.count - paths.prey
+    deadly = len(subject.obstacle_radius) > 0 and subject.scenario.obstacles.contact == "crash"
     ends = {
         ARRIVED: target_of(subject) is not None,
         CAPTURED: hunters > 0 and subject.scenario.world.contact in ("deadly", "eaten"),
-        CRASHED: len(subject.obstacle_radius) > 0 or (isinstance(subject, Recording) and "crashed" in subject.prey.fate),
+        CRASHED: deadly or (isinstance(subject, Recording) and "crashed" in subject.prey.fate),
     }
 
     def there(prey: bool) -> Callable[[float], int]:

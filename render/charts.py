@@ -113,7 +113,7 @@ class Differences:
 def pairs(panels: Sequence[Differences], path: str | os.PathLike, title: str, note: str) -> Path:
     """Draw differences to a first row as points on a line each; filled where p < 0.05. It appears whole or not at all."""
     rows = len(panels[0].names)
-    size = (1.2 + 0.07 * max(map(len, panels[0].names)) + 3.3 * len(panels), 1.7 + 0.3 * rows)
+    size = (1.2 + 0.07 * max(map(len, panels[0].names)) + 3.3 * len(panels), min(1.7 + 0.3 * rows, 40.0))
     with sheet(1, len(panels), size, path, title, note) as (figure, axes):
         place = np.arange(rows)[::-1]
         for k, (axis, panel) in enumerate(zip(axes[0], panels, strict=True)):

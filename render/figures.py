@@ -15,6 +15,8 @@ INK = "#333333"
 FAINT = "#8A8A8A"
 GRID = "#DDDDDD"
 DPI = 160
+MOST_NAMES = 60
+"""Bars that can be named side by side; of more, every second, third, ... is named."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ def bars(panels: Sequence[Bars], path: str | os.PathLike, title: str, note: str 
 
     Errors: ModuleNotFoundError when matplotlib is not installed.
     """
-    width = max(4.1, 0.9 + 0.3 * max(len(panel.names) for panel in panels))
+    width = min(max(4.1, 0.9 + 0.3 * max(len(panel.names) for panel in panels)), 20.0)
     with sheet(1, len(panels), (width * len(panels), 3.9), path, title, note) as (figure, axes):
         for axis, panel in zip(axes[0], panels, strict=True):
             _draw(axis, panel)
@@ -95,10 +97,12 @@ def _draw(axis, panel: Bars) -> None:
             "capsize": 3,
         }
         axis.errorbar(place + 0.18, panel.published, yerr=panel.published_away, label="published, 95 % interval", **marks)
-    axis.set_xticks(place, panel.names, rotation=35, ha="right", rotation_mode="anchor")
+    step = -(-len(place) // MOST_NAMES)
+    axis.set_xticks(place[::step], panel.names[::step], rotation=35, ha="right", rotation_mode="anchor")
     axis.set_ylabel(panel.axis)
     axis.set_title(panel.title, fontsize=10)
     axis.spines[["top", "right"]].set_visible(False)
     axis.yaxis.grid(True, color=GRID, linewidth=0.7)
     axis.set_axisbelow(True)
-    axis.set_ylim(bottom=0)
+    if not (panel.mean < 0).any():
+        axis.set_ylim(bottom=0)

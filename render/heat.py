@@ -3,10 +3,12 @@
 import numpy as np
 
 from render.camera import Camera
+from render.live import Live
 from render.motion import Motion
 from render.now import Now
 from render.shapes import NONE, WINDOW, boxes, colour
 from render.theme import Theme
+from tiswarm.recording import Recording
 
 CELLS, FINE = 96, 320
 """Cells along the world's longer side: of a heat map, and of cleaned ground."""
@@ -18,10 +20,10 @@ FRESH = 8
 class Cells:
     """A world divided into squares, numbered row by row."""
 
-    def __init__(self, size: tuple[float, ...], count: int):
-        """Divide a world of some size [m] into `count` squares along its longer side."""
+    def __init__(self, size: tuple[float, ...], edge: float):
+        """Divide a world of some size into squares of some edge [m]."""
         width, height = size[:2]
-        self.edge = max(width, height) / count
+        self.edge = edge
         self.across, self.up = int(np.ceil(width / self.edge)), int(np.ceil(height / self.edge))
 
     @property
@@ -35,6 +37,15 @@ class Cells:
         x, y = place[..., 0].astype(np.int32), place[..., 1].astype(np.int32)
         inside = (place >= 0).all(axis=-1) & (x < self.across) & (y < self.up)
         return np.where(inside, y * self.across + x, -1)
+
+    def free(self, subject: Recording | Live) -> np.ndarray:
+        """Tell which cells' middles lie inside the world and outside its obstacles: [cell], bool."""
+        numbers, size = np.arange(self.count), subject.scenario.world.size[:2]
+        middles = (np.stack([numbers % self.across, numbers // self.across], axis=1) + 0.5) * self.edge
+        free: np.ndarray = np.all(middles <= size, axis=1)
+        for centre, radius in zip(subject.obstacle_position[:, :2], subject.obstacle_radius, strict=True):
+            free = free & (((middles - centre) ** 2).sum(axis=1) >= radius**2)
+        return free
 
     def around(self, spots: np.ndarray, reach: float) -> np.ndarray:
         """Give the numbers of the cells whose middles lie within reach [m] of points [point, 2]; -1 for cells outside."""
@@ -57,7 +68,8 @@ class Density:
     def __init__(self, paths: Motion, theme: Theme):
         """Divide the worlds."""
         self._paths, self._theme = paths, theme
-        self._cells = [Cells(subject.scenario.world.size, CELLS) for subject in paths.subjects]
+        sizes = [subject.scenario.world.size for subject in paths.subjects]
+        self._cells = [Cells(size, max(size[:2]) / CELLS) for size in sizes]
 
     def drawn(self, here: Now, camera: Camera) -> np.ndarray:
         """Draw the maps."""
@@ -84,7 +96,14 @@ class Coverage:
     def __init__(self, paths: Motion, theme: Theme):
         """Watch the paths from their start on."""
         self._paths, self._theme = paths, theme
-        self._cells = [Cells(subject.scenario.world.size, FINE) for subject in paths.subjects]
+        sizes = [subject.scenario.world.size for subject in paths.subjects]
+        self._cells = [Cells(size, max(size[:2]) / FINE) for size in sizes]
+        # What is counted in words is what the measure "coverage" counts, on the scenario's own grid where there is one.
+        self._grids = [
+            Cells(size, subject.scenario.coverage.cell or max(size[:2]) / FINE)
+            for size, subject in zip(sizes, paths.subjects, strict=True)
+        ]
+        self._free = [grid.free(subject) for grid, subject in zip(self._grids, paths.subjects, strict=True)]
         self._reach = [max(tool_radius(s.scenario), 0.71 * c.edge) for s, c in zip(paths.subjects, self._cells, strict=True)]
         self._before = np.zeros(0)
         paths.watch(self._clean)
@@ -93,6 +112,7 @@ class Coverage:
         """Note what prey clean on the way to a tick."""
         if tick == 0:
             self._first = [np.full(cells.count + 1, np.inf) for cells in self._cells]
+            self._swept = [np.full(grid.count + 1, np.inf) for grid in self._grids]
             self._before = places
         paths, prey = self._paths, np.flatnonzero(self._paths.is_prey & np.isfinite(places[:, 0]))
         for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):
@@ -104,12 +124,15 @@ class Coverage:
                 cleaned = cells.around(spots, self._reach[scene])
                 first[cleaned] = np.minimum(first[cleaned], tick - 1 + share if tick else 0)
             first[-1] = np.inf
+            under = self._grids[scene].around(places[mine, :2], tool_radius(self._paths.subjects[scene].scenario))
+            self._swept[scene][under] = np.minimum(self._swept[scene][under], tick)
         self._before = places.copy()
 
     def share(self, time: float) -> float:
         """Give the share of the ground that is clean."""
-        done = sum(int((first[:-1] <= time).sum()) for first in self._first)
-        return done / sum(cells.count for cells in self._cells)
+        pairs = zip(self._swept, self._free, strict=True)
+        done = sum(int((swept[:-1][free] <= time).sum()) for swept, free in pairs)
+        return done / max(sum(int(free.sum()) for free in self._free), 1)
 
     def drawn(self, here: Now, camera: Camera) -> np.ndarray:
         """Draw the cleaned cells; those that shine no more in whole rows."""
@@ -132,5 +155,5 @@ class Coverage:
 
 
 def tool_radius(scenario) -> float:
-    """Give how far prey clean [m]: the radius of their tool where the scenario has one, else their own."""
-    return float(scenario.prey.weights.get("tool_radius", scenario.prey.radius))
+    """Give how far prey clean [m]: as far as their tools reach where ground is counted, else as far as they themselves do."""
+    return float(scenario.coverage.tool if scenario.coverage.cell else scenario.prey.radius)

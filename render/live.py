@@ -83,3 +83,10 @@ def target_of(subject: "Recording | Live") -> Any:
     """Give the target that prey want to reach, or None."""
     target = subject.scenario.target
     return target if target.present else None
+
+
+def is_sky(subject: Recording | Live) -> bool:
+    """Tell whether nothing in a world stands on a ground: no target, obstacle, area or wall."""
+    world = subject.scenario.world
+    bare = not target_of(subject) and not len(subject.obstacle_radius) and not world.areas
+    return bool(bare and world.boundary != "walls")

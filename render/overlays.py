@@ -16,7 +16,7 @@ LINKED = 2000
 class Overlays:
     """The overlays that a look asks for."""
 
-    def __init__(self, paths: Motion, theme: Theme, unit: float, names: tuple[str, ...]):
+    def __init__(self, paths: Motion, theme: Theme, unit: float, names: set[str]):
         """Prepare. unit: pixels per unit of type."""
         self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
         self.coverage = Coverage(paths, theme) if "coverage" in names else None

@@ -48,7 +48,8 @@ class Scene:
         most = max(np.bincount(self.paths.scene, minlength=len(subjects)))
         self._agents_shown = most < CROWDED
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
-        overlay = (*look.overlay, *(() if self._agents_shown else ("density",)))
+        swept = any(subject.scenario.coverage.cell for subject in subjects)
+        overlay = {*look.overlay, *(() if self._agents_shown else ("density",)), *(("coverage",) if swept else ())}
         self._overlays = Overlays(self.paths, self.theme, unit, overlay)
         self.coverage = self._overlays.coverage
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)

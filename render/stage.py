@@ -9,7 +9,7 @@ from render import world
 from render.camera import Camera, Operator, Orbit, View, apparent, bounds, fitted, heights, joint, operator
 from render.caption import counters
 from render.layout import Box, layout
-from render.live import Live
+from render.live import Live, is_sky
 from render.look import Look
 from render.mosaic import Mosaic, cells, labels_of
 from render.panel import Panel
@@ -128,7 +128,8 @@ class Stage:
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
             window = len(self.boxes) + n
             images = self._images(subject, held, time, self._windows[window])
-            box = self._windows[window] if len(images) > 1 else None
+            endless = len(images) > 1 or (not held.still and is_sky(subject) and not isinstance(images[0], Orbit))
+            box = self._windows[window] if endless else None
             grounds.append(world.ground(subject, self._look.colours, self._atlas, self.scene.unit, images, box, self._field))
             grounds[-1][:, WINDOW] = window
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])

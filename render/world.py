@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.camera import Camera, Orbit, heights
-from render.live import Live, target_of
+from render.live import Live, is_sky, target_of
 from render.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.text import Atlas
 from render.theme import Theme
 from tiswarm.recording import Recording
 
-GRID_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Distances of grid lines to choose from [m]; the first that leaves at most LINES of them across the world is taken."""
 
 LINES = 12
@@ -46,11 +46,11 @@ def ground(
         return _room(subject, theme, unit, cameras[0])
     world, target = subject.scenario.world, target_of(subject)
     low, high = _corners((0, 0), world.size[:2], cameras[0]) if window is None else (window[:2], window[2:])
-    rows = _floor(subject, theme, unit, low, high)
+    rows, lone = _floor(subject, theme, unit, low, high), window is not None and len(cameras) == 1
     for camera in cameras:
         low, high = _corners((0, 0), world.size[:2], camera)
         rows += [
-            NONE if is_sky(subject) else _grid(world.size, theme, unit, camera, 0.06),
+            NONE if is_sky(subject) and not lone else _grid(world.size, theme, unit, camera, 0.06, window if lone else None),
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
             *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
             _target(target, theme, unit, camera) if target else NONE,
@@ -58,13 +58,6 @@ def ground(
             _arrows(field, theme, unit, camera) if field else NONE,
         ]
     return np.concatenate(rows)
-
-
-def is_sky(subject: Recording | Live) -> bool:
-    """Tell whether nothing in a world stands on a ground: no target, obstacle, area or wall."""
-    world = subject.scenario.world
-    bare = not target_of(subject) and not len(subject.obstacle_radius) and not world.areas
-    return bool(bare and world.boundary != "walls")
 
 
 def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray, high: np.ndarray) -> list[np.ndarray]:
@@ -99,12 +92,18 @@ def _corners(low, high, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
     return np.minimum(a, b), np.maximum(a, b)
 
 
-def _grid(size: tuple[float, ...], theme: Theme, wide: float, camera: Camera, alpha: float) -> np.ndarray:
-    width, height = size[:2]
-    step = next((each for each in GRID_STEPS if max(width, height) / each <= LINES), GRID_STEPS[-1])
-    across, up = np.arange(step, width, step), np.arange(step, height, step)
-    starts = np.concatenate([np.stack([across, 0 * across], 1), np.stack([0 * up, up], 1)])
-    ends = np.concatenate([np.stack([across, 0 * across + height], 1), np.stack([0 * up + width, up], 1)])
+def _grid(
+    size: tuple[float, ...], theme: Theme, wide: float, camera: Camera, alpha: float, window: np.ndarray | None = None
+) -> np.ndarray:
+    """Draw lines at round numbers of metres across a world, or across all that a window shows."""
+    (x0, y0), (x1, y1) = (0.0, 0.0), size[:2]
+    if window is not None:
+        (x0, y1), (x1, y0) = camera.centre + (window.reshape(2, 2) - camera.middle) * (1, -1) / camera.scale
+    step = next((each for each in GRID_STEPS if max(size[:2]) / each <= LINES), GRID_STEPS[-1])
+    across = np.arange(np.floor(x0 / step) + 1, np.ceil(x1 / step)) * step
+    up = np.arange(np.floor(y0 / step) + 1, np.ceil(y1 / step)) * step
+    starts = np.concatenate([np.stack([across, 0 * across + y0], 1), np.stack([0 * up + x0, up], 1)])
+    ends = np.concatenate([np.stack([across, 0 * across + y1], 1), np.stack([0 * up + x1, up], 1)])
     return capsules(camera.place(starts), camera.place(ends), wide / 2, wide / 2, theme["line"], alpha)
 
 

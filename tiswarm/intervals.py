@@ -1,6 +1,7 @@
 """Intervals: what a study's trials allow to say, with 95 % intervals, paired tests and correlations."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -109,9 +110,11 @@ def correlation(x_name: str, y_name: str, x: np.ndarray, y: np.ndarray) -> Corre
         with np.errstate(invalid="ignore"):  # a resample that is all one cell
             return np.sum(a * b, axis=axis) / np.sqrt(np.sum(a * a, axis=axis) * np.sum(b * b, axis=axis))
 
-    drawn = stats.bootstrap(
-        (x, y), rho, paired=True, vectorized=True, n_resamples=RESAMPLES, method="percentile", rng=np.random.default_rng(0)
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)  # a resample of one cell many times has no rho
+        drawn = stats.bootstrap(
+            (x, y), rho, paired=True, vectorized=True, n_resamples=RESAMPLES, method="percentile", rng=np.random.default_rng(0)
+        )
     low, high = np.nanpercentile(drawn.bootstrap_distribution, [2.5, 97.5])
     return Correlation(
         x_name,

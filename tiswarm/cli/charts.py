@@ -77,6 +77,8 @@ def _heat(report: Report, rows: list[Row], folder: Path) -> None:
     titles = [", ".join(f"{head} {name}" for head, name in zip(heads[:-2], row, strict=True)) for row in _product(names[:-2])]
     for measure in report.study.measures:
         mean, low, high = (each.reshape(shape) for each in _ends(rows, measure))
+        if not np.isfinite(mean).any():
+            continue  # no trial had a value
         panels = [
             Heat(title, names[-2], names[-1], m, (h - lo) / 2) for title, m, lo, h in zip(titles, mean, low, high, strict=True)
         ]
