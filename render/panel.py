@@ -31,7 +31,7 @@ class Panel(Caption):
     def _place(self, box: Box) -> None:
         """Place what stands still in the panel's box."""
         layout, inset = self._layout, INSET * self._unit
-        right = box.right - (0 if layout.form == "side" else inset)
+        right = box.right - (inset / 2 if layout.form == "side" else inset)
         self._box = Box(box.left + inset, box.top + (inset if layout.form == "side" else inset / 2), right, box.bottom - inset)
         shares = COLUMNS[layout.form]
         gap = inset if len(shares) > 1 else 0

@@ -76,7 +76,9 @@ def _neighbours(recording: Recording, path: Path) -> Path:
             axis.axhline(spacing, color=INK, linewidth=1.0, linestyle=":", label=f"spacing, {spacing:g} m", zorder=2)
             axis.set_ylim(bottom=0)
         else:
-            axis.text(0.5, 0.5, "never two prey at a time", transform=axis.transAxes, ha="center", color=FAINT)
+            middle: Any = {"transform": axis.transAxes, "ha": "center", "va": "center", "backgroundcolor": "white"}
+            axis.text(0.5, 0.5, "never two prey at a time", color=FAINT, **middle)
+            axis.set_ylim(0, 1)
         axis.set_ylabel("distance to the nearest neighbour [m]")
     return path
 
@@ -111,7 +113,7 @@ def _coverage(recordings: Sequence[Recording], path: Path) -> Path:
             told = ", ".join(f"{share:g} % after {_seconds(at.item())}" for share, at in passed)
             marks: Any = {"markersize": 6, "mfc": "white", "mec": OURS, "mew": 1.6, "zorder": 4}
             axis.plot([at.item() for _, at in passed], [share for share, _ in passed], "o", label=told, **marks)
-        axis.set_ylim(0, 104)
+        axis.set_ylim(0, min(104, 1.3 * percent.max() + 1))
         axis.set_ylabel("swept share of the ground [%]")
     return path
 

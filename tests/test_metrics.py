@@ -258,9 +258,11 @@ class TestKernelAgainstRecording:
     def test_robots_in_a_potential(self):
         _agree("sanitation/potential", BODIES, **{"world.ticks": 500, "measures.after": 100, "prey.perception": 1.5})
 
-    def test_boids_between_spheres(self):
-        own = {"world.ticks": 120, "prey.count": 20, "measures.distance": 5.0, "prey.avoidance": "none"}
-        _agree("lookout/aquarium", BODIES, **own, **{"measures.after": 10})
+    @pytest.mark.parametrize("avoidance", ["none", "distance-perception"])
+    def test_boids_between_spheres(self, avoidance):
+        own = {"world.ticks": 120, "prey.count": 20, "measures.distance": 5.0, "prey.avoidance": avoidance}
+        recording = _agree("lookout/aquarium", BODIES, **own, **{"measures.after": 10})
+        assert (metrics.hits(recording)[-1] > 0) == (avoidance == "none")
 
     def test_trials_that_end_early_have_what_they_lived_to_see(self):
         own = {"coverage.cell": 1.0, "coverage.tool": 2.0, "measures.distance": 2.0}

@@ -11,7 +11,7 @@ import os
 import platform
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -62,13 +62,39 @@ def crowd(agents: int, ticks: int = 12) -> Recording:
     return Recording(tiswarm.load("delft/pronav-0"), 5, 0, swarm, nobody, np.zeros((0, 2)), np.zeros(0))
 
 
+class Passing:
+    """The same crowd as a live simulation: no tick is kept."""
+
+    def __init__(self, recording: Recording, ticks: int):
+        self.scenario, self.seed, self.trial, self.ticks = recording.scenario, recording.seed, recording.trial, ticks
+        self.obstacle_position, self.obstacle_radius = recording.obstacle_position, recording.obstacle_radius
+        self._both = [self._start(swarm) for swarm in (recording.prey, recording.predators)]
+
+    @staticmethod
+    def _start(swarm: Swarm) -> Swarm:
+        return Swarm(swarm.position[0].copy(), swarm.velocity[0], swarm.fate, swarm.state[0], swarm.group[0])
+
+    def __iter__(self) -> Iterator[tuple[Swarm, Swarm]]:
+        for _ in range(self.ticks + 1):
+            yield self._both[0], self._both[1]
+            self._both[0].position[:] += self._both[0].velocity
+
+
+def filmed_live(agents: int, folder: Path, ticks: int = 20) -> float:
+    """Give frames per second of a whole film of a live crowd, draft."""
+    recording = crowd(agents, 1)
+
+    def whole() -> None:
+        render.film(Passing(recording, ticks), folder / "live.mp4", SIZE, FPS, quality="draft")
+
+    return (ticks / 10 + 1) * FPS / best(whole, runs=2)[0]
+
+
 def rasterised(subject: Recording | list[Recording], **look: object) -> float:
     """Give frames per second of rasterising to planar YUV, spread over the whole film."""
     stage = Stage(subject, SIZE, Look(**look), yuv=True)  # type: ignore[arg-type]
     moments = [moment for moment in stage.times(FPS) if moment < stage.scene.paths.last]
-    pieces = min(
-        READY // PIECE, max(len(moments) // PIECE, 1)
-    )
+    pieces = min(READY // PIECE, max(len(moments) // PIECE, 1))
     starts = np.linspace(0, max(len(moments) - PIECE, 0), pieces).astype(int)
     moments = [moment for start in starts for moment in moments[start : start + PIECE]]
     out = stage.canvas.blank()
@@ -171,6 +197,7 @@ def main() -> None:
             film, alone = encoded(chase, quality, Path(name))
             note(f"whole film, Delft chase, 1080p, {quality}", film)
             note(f"the same encoder with ready-made frames, 1080p, {quality}", alone)
+        note("whole film, 100 000 agents that are simulated live, 1080p, draft", filmed_live(100_000, Path(name)))
         if not chosen.without_matplotlib:
             note("matplotlib's FFMpegWriter, the same chase, 1080p, good", matplotlib_film(chase, "good", Path(name)))
     chosen.output.parent.mkdir(parents=True, exist_ok=True)

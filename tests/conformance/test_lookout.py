@@ -101,7 +101,7 @@ def test_spheres_keep_off_the_target_and_the_start():
 @pytest.mark.parametrize("form", ["isotropic", "componentwise"])
 @pytest.mark.parametrize("direction", [(1, 0, 0), (1, 1, 0), (1, 1, 1), (0.3, -0.5, 0.8)])
 def test_a_pair_settles_at_the_distance_where_cohesion_and_separation_balance(form, direction, f64):
-    """Isotropic: √(S/c) = 10 in any direction. By component: 10 along each axis on which they differ, 17.32 along a diagonal."""
+    """Isotropic: √(S/c) = 10 in any direction. By component: 10 on each axis on which they differ, 17.32 along a diagonal."""
     axis = np.array(direction, float)
     line = axis / np.linalg.norm(axis)
     place = np.stack([50 - 4 * line, 50 + 4 * line])

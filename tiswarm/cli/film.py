@@ -165,7 +165,7 @@ def _subject(
 
 
 def demo(
-    name: Annotated[str, typer.Argument(metavar="[NAME]", help="A preset under demo/.")] = "chase",
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="A preset under demo/.")] = "hawk",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="The film; out/NAME.mp4 when left out.")
     ] = None,

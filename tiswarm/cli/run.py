@@ -3,12 +3,28 @@
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
-from tiswarm.cli.options import Precision, Preset, Quiet, Seed, Sets, StrategyPath, Threads, load_scenario, out, start
+from tiswarm.cli.options import (
+    Precision,
+    Preset,
+    Quiet,
+    Seed,
+    Sets,
+    StrategyPath,
+    Threads,
+    WrongInput,
+    load_scenario,
+    out,
+    start,
+)
+from tiswarm.progress import reporting
+
+SWEEPS = 6
+"""Trials whose swept ground is drawn: each runs again, tick by tick."""
 
 
 def run(
@@ -19,6 +35,10 @@ def run(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write trials.csv, summary.json and manifest.json here."),
     ] = None,
+    plot: Annotated[
+        bool,
+        typer.Option("--plot", help="Also draw trial 0 against time, as PNGs: into DIR, or out/PRESET when -o is left out."),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON on standard output.")] = False,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -33,8 +53,10 @@ def run(
 
     start(seed, threads, precision, strategy_path)
     scenario = load_scenario(preset, sets)
-    if output is not None:
-        check_writable(output)  # before the work, not after it
+    plots = _plots_folder(preset, output) if plot else None
+    for folder in (output, plots):
+        if folder is not None:
+            check_writable(folder)  # before the work, not after it
     started = time.perf_counter()
     results = tiswarm.simulate(scenario, trials, seed, progress=not quiet)
     seconds = time.perf_counter() - started
@@ -42,10 +64,40 @@ def run(
         results.save(output, preset=preset, wall_time_s=round(seconds, 3))
     if as_json:
         sys.stdout.write(results.summary_json() + "\n")
-        return
-    tables.print_summary(results, out)
-    if not quiet:
-        out.print(f"{trials:,} trials in {seconds:.2f} s, seed {seed}" + (f"; written to {output}" if output else ""))
+    else:
+        tables.print_summary(results, out)
+        if not quiet:
+            out.print(f"{trials:,} trials in {seconds:.2f} s, seed {seed}" + (f"; written to {output}" if output else ""))
+    if plots is not None:
+        drawn = _plot(scenario, seed, trials, plots, quiet)
+        if not (quiet or as_json):
+            out.print("\n".join(map(str, drawn)))
+
+
+def _plots_folder(preset: str, output: Path | None) -> Path:
+    """Say where plots go. Errors: WrongInput when there is nothing to draw them with."""
+    from render.plots import check_matplotlib
+
+    try:
+        check_matplotlib()
+    except ModuleNotFoundError as error:
+        raise WrongInput(f"--plot: {error}") from None
+    plain = Path(preset).stem if preset.endswith(".toml") else preset.replace("/", "-")
+    return output or Path("out") / plain
+
+
+def _plot(scenario: Any, seed: int, trials: int, folder: Path, quiet: bool) -> list[Path]:
+    """Draw trial 0, and the ground that the first trials sweep."""
+    import tiswarm
+    from render.plots import draw
+
+    count = min(trials, SWEEPS) if scenario.coverage.cell else 1
+    recordings = []
+    with reporting(not quiet, count, "trials") as report:
+        for trial in range(count):
+            recordings.append(tiswarm.record(scenario, trial, seed))
+            report(trial + 1)
+    return draw(recordings, folder)
 
 
 def speed(
