@@ -152,7 +152,7 @@ def build(layout, types: SimpleNamespace, uniform):
 
     @ti.func
     def renumber(board: ti.template(), r, n):
-        """Give clusters numbers by their first alive prey, whatever found them, and -1 to those who are gone; works on `size`."""
+        """Give clusters numbers by their first alive prey, whatever found them, -1 to those who are gone; works on `size`."""
         for c in range(MOST):
             board[r + at.size + c] = lanes(-1.0)
         known = lanes(0.0)

@@ -28,7 +28,7 @@ class Strategy(Predator):
         """Numbers of the strategy."""
 
         max_clusters: float = 5.0  # most sub-swarms that are looked for
-        restarts: float = 8.0  # starts drawn for each number of clusters, for more prey than the best partition is found of
+        restarts: float = 64.0  # starts drawn for each number of clusters, for more prey than the best partition is found of
         sticky: float = 0.0  # 1: after its first tick a predator chases the centre nearest to its last one; 0: j mod k
         reference: float = 0.0  # 1: ask scikit-learn and kneed between ticks, in single trials only
 
