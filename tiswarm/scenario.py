@@ -243,7 +243,7 @@ class Measures(Part):
     """What is measured while a trial runs, beyond who arrived: see `metrics.py`."""
 
     names: tuple[Measure, ...] = ()
-    after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on
+    after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least
     distance: Positive = 1.0  # agents nearer than this are of one group [m]
 
 
