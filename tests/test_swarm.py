@@ -116,3 +116,16 @@ def test_what_cannot_be_is_refused(f32):
         Swarm(scenario, start=(position[0], swarm.velocity()))
     with pytest.raises(ScenarioError, match=r"obstacles\.count"):
         Swarm(scenario.replaced({"obstacles.count": 3}))
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "open"])
+def test_ticks_in_one_go_are_ticks_one_by_one(boundary, f32, monkeypatch):
+    scenario = world(8.0, boundary=boundary, count=300)
+    at_once = Swarm(scenario, seed=6, trials=2)
+    at_once.step(12)
+    monkeypatch.setattr("tiswarm.swarm.SMALL", 0)
+    single = Swarm(scenario, seed=6, trials=2)
+    for _ in range(12):
+        single.step()
+    assert at_once.ticks == single.ticks == 12
+    assert np.array_equal(at_once.position(), single.position())

@@ -334,29 +334,41 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
                 for axis in ti.static(range(3)):
                     least[axis] = ti.max(low[axis], 0)
                     most[axis] = ti.min(high[axis], whole[COUNT_X + axis] - 1)
+            here = [p[axis] + 0.0 for axis in ti.static(range(dimensions))]
             for cell_z in range(least[2], most[2] + 1):
-                image_z = image_of(cell_z, 2, whole)
+                plane = 0
+                if ti.static(solid):
+                    image = image_of(cell_z, 2, whole)
+                    plane = cell_z * whole[STRIDE_Z]
+                    here[2] = p[2]
+                    if image != 0:
+                        plane -= image * whole[COUNT_Z] * whole[STRIDE_Z]
+                        here[2] = p[2] - shift(image, 2, reals)
                 for cell_y in range(least[1], most[1] + 1):
-                    image_y = image_of(cell_y, 1, whole)
-                    row = (cell_y - image_y * whole[COUNT_Y]) * whole[STRIDE_Y]
-                    if ti.static(solid):
-                        row += (cell_z - image_z * whole[COUNT_Z]) * whole[STRIDE_Z]
+                    image = image_of(cell_y, 1, whole)
+                    row = plane + cell_y * whole[STRIDE_Y]
+                    here[1] = p[1]
+                    if image != 0:
+                        row -= image * whole[COUNT_Y] * whole[STRIDE_Y]
+                        here[1] = p[1] - shift(image, 1, reals)
                     cell_x = least[0]
                     while cell_x <= most[0]:  # once, or twice where a row wraps
-                        image_x = image_of(cell_x, 0, whole)
-                        begin = row + cell_x - image_x * whole[COUNT_X]
+                        begin = row + cell_x
                         more = most[0] - cell_x
+                        here[0] = p[0]
                         if ti.static(hashed):
                             begin = begin & whole[MASK]
                             more = ti.min(more, whole[MASK] - begin)
                         elif ti.static(periodic):
-                            more = ti.min(more, whole[COUNT_X] * (1 + image_x) - 1 - cell_x)
-                        images = [image_x, image_y, image_z]
-                        moved = [p[axis] - shift(images[axis], axis, reals) for axis in ti.static(range(dimensions))]
+                            image = image_of(cell_x, 0, whole)
+                            more = ti.min(more, whole[COUNT_X] * (1 + image) - 1 - cell_x)
+                            if image != 0:
+                                begin -= image * whole[COUNT_X]
+                                here[0] = p[0] - shift(image, 0, reals)
                         j = whole[table + begin]
                         end = whole[table + begin + more + 1]
                         while j < end:
-                            meet(sums, moved, agents, j, reals)
+                            meet(sums, here, agents, j, reals)
                             j += 1
                         cell_x += more + 1
 
@@ -499,13 +511,18 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
             if index % TASK == 0:
                 scatter(agents, whole, index // TASK)
 
+    @ti.func
+    def arrange(agents: ti.template(), whole: ti.template()):
+        """Sort all agents as one chunk."""
+        count(whole, 0)
+        scan(whole, 0)
+        scatter(agents, whole, 0)
+
     @ti.kernel
     def sort_alone(agents: agent_array, whole: whole_array):
         ti.loop_config(serialize=True)
         for _ in range(1):
-            count(whole, 0)
-            scan(whole, 0)
-            scatter(agents, whole, 0)
+            arrange(agents, whole)
 
     @ti.kernel
     def find(agents: agent_array, whole: whole_array, reals: real_array, total: ti.i32):
@@ -527,6 +544,7 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
         across=across,
         place_of=place_of,
         alive_end=alive_end,
+        arrange=arrange,
         sort=sort,
         sort_alone=sort_alone,
         find=find,

@@ -17,6 +17,9 @@ from tiswarm.rng import philox
 from tiswarm.runtime import LANES
 from tiswarm.scenario import Scenario
 
+SMALL = 2_048
+"""Up to so many agents one thread is done before a second one has woken."""
+
 _kernels: dict[tuple[Any, ...], SimpleNamespace] = {}
 
 
@@ -52,15 +55,20 @@ class Swarm:
         self.grid = Grid(Space(tuple(scenario.world.size), edge), max(scenario.prey.perception, 1e-6), count, trials)
         layout = Layout(Structure.of([scenario], 0), runtime.types().lanes)
         self._numbers = layout.table([scenario])[0].astype(runtime.types().dtype)
-        self._move = _built(layout, self.grid).move
+        self._kernels = _built(layout, self.grid)
         self.grid.place(position, velocity)
 
-    def step(self) -> None:
-        """Run one tick."""
+    def step(self, ticks: int = 1) -> None:
+        """Run some ticks; small swarms run them in one go, which costs much less than one by one."""
         at = self.grid
-        self._move(at.agents, at.whole, at.reals, self._numbers, at.total // LANES)
-        at.sort()
-        self.ticks += 1
+        arrays = (at.agents, at.whole, at.reals, self._numbers, at.total // LANES)
+        if at.total <= SMALL:
+            self._kernels.run(*arrays, ticks)
+        else:
+            for _ in range(ticks):
+                self._kernels.move(*arrays)
+                at.sort()
+        self.ticks += ticks
 
     def position(self, kind: str = "prey") -> np.ndarray:
         """Give where the agents are: [trial, agent, dim], m, NaN for those who are gone."""
@@ -151,44 +159,59 @@ def _build(layout: Layout, near: SimpleNamespace, types: SimpleNamespace) -> Sim
                 rate[k] = ti.select((to[k] < within) & (rate[k] < 0.0) | (to[k] > within) & (rate[k] > 0.0), 0.0, rate[k])
                 to[k] = within
 
+    @ti.func
+    def move_block(agents: ti.template(), whole: ti.template(), reals: ti.template(), numbers: ti.template(), block, total):
+        """V += flocking; cap; p += v dt. Reads the agents in cell order; writes the moved ones behind them."""
+        trial = block * LANES // whole[SLOTS]
+        end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
+        first = block * LANES
+        state = [lanes([agents[first + lane][k] for lane in ti.static(range(LANES))]) for k in ti.static(range(2 * dim))]
+        me = Me(*ti.static(state))
+        pull = flocked(me, agents, whole, reals, numbers, block, end)
+        course = [rate + part for rate, part in ti.static(zip(rates(me), pull, strict=True))]
+        if ti.static(frame.boundary == "walls"):
+            for k in ti.static(range(dim)):
+                margin = numbers[at.margin]
+                course[k] += ti.select(state[k] < margin, numbers[at.turn_factor], 0.0)
+                course[k] += ti.select(state[k] > numbers[at.size[k]] - margin, -1.0 * numbers[at.turn_factor], 0.0)
+        rate = capped(course, numbers[at.prey.max_speed])
+        to = [state[k] + numbers[at.dt] * rate[k] for k in ti.static(range(dim))]
+        inside(to, rate, numbers)
+        for lane in ti.static(range(LANES)):
+            slot = block * LANES + lane
+            there = [to[k][lane] for k in ti.static(range(dim))]
+            then = [rate[k][lane] for k in ti.static(range(dim))]
+            place = whole[CELLS] - 1
+            if slot < end:
+                place = near.place_of(there, whole, reals)
+            whole[HEAD + slot] = trial * whole[CELLS] + place
+            whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
+            agents[total + slot] = near.record(there + then + [real(0.0)] * (near.width - 2 * dim))
+
+    number_array = ti.types.ndarray(dtype=real, ndim=1)
+
     @ti.kernel
-    def move(
+    def move(agents: near.agent_array, whole: near.whole_array, reals: near.real_array, numbers: number_array, blocks: ti.i32):
+        for block in range(blocks):
+            move_block(agents, whole, reals, numbers, block, blocks * LANES)
+
+    @ti.kernel
+    def run(
         agents: near.agent_array,
         whole: near.whole_array,
         reals: near.real_array,
-        numbers: ti.types.ndarray(dtype=real, ndim=1),
+        numbers: number_array,
         blocks: ti.i32,
+        ticks: ti.i32,
     ):
-        """V += flocking; cap; p += v dt. Reads the agents in cell order; writes the moved ones behind them."""
-        for block in range(blocks):
-            total = blocks * LANES
-            trial = block * LANES // whole[SLOTS]
-            end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
-            first = block * LANES
-            state = [lanes([agents[first + lane][k] for lane in ti.static(range(LANES))]) for k in ti.static(range(2 * dim))]
-            me = Me(*ti.static(state))
-            pull = flocked(me, agents, whole, reals, numbers, block, end)
-            course = [rate + part for rate, part in ti.static(zip(rates(me), pull, strict=True))]
-            if ti.static(frame.boundary == "walls"):
-                for k in ti.static(range(dim)):
-                    margin = numbers[at.margin]
-                    course[k] += ti.select(state[k] < margin, numbers[at.turn_factor], 0.0)
-                    course[k] += ti.select(state[k] > numbers[at.size[k]] - margin, -1.0 * numbers[at.turn_factor], 0.0)
-            rate = capped(course, numbers[at.prey.max_speed])
-            to = [state[k] + numbers[at.dt] * rate[k] for k in ti.static(range(dim))]
-            inside(to, rate, numbers)
-            for lane in ti.static(range(LANES)):
-                slot = block * LANES + lane
-                there = [to[k][lane] for k in ti.static(range(dim))]
-                then = [rate[k][lane] for k in ti.static(range(dim))]
-                place = whole[CELLS] - 1
-                if slot < end:
-                    place = near.place_of(there, whole, reals)
-                whole[HEAD + slot] = trial * whole[CELLS] + place
-                whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
-                agents[total + slot] = near.record(there + then + [real(0.0)] * (near.width - 2 * dim))
+        """Run many ticks on one thread."""
+        ti.loop_config(serialize=True)
+        for _ in range(ticks):
+            for block in range(blocks):
+                move_block(agents, whole, reals, numbers, block, blocks * LANES)
+            near.arrange(agents, whole)
 
-    return SimpleNamespace(move=move)
+    return SimpleNamespace(move=move, run=run)
 
 
 def _drawn(scenario: Scenario, seed: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
