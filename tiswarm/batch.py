@@ -5,11 +5,10 @@ from operator import index
 
 import numpy as np
 
-from tiswarm import rng, runtime, trials
+from tiswarm import registry, rng, runtime, trials
 from tiswarm.explain import ScenarioError
 from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
 from tiswarm.progress import reporting
-from tiswarm.registry import nearest
 from tiswarm.results import Results
 from tiswarm.runtime import LANES
 from tiswarm.scenario import LIMIT, Scenario
@@ -54,6 +53,8 @@ class Blocks:
         self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
         self.sums = runtime.aligned((blocks * sums, LANES), types.dtype)
         self.ground = runtime.aligned((blocks * max(cells, 1), LANES), types.dtype)
+        board = self.layout.board
+        self.board = runtime.aligned((blocks * max(board.fixed + board.each * prey, 1), LANES), types.dtype)
         self.measures = self.layout.structure.frame.measures
 
     def outcomes(self, trials_count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -88,6 +89,7 @@ class Blocks:
             self.sums,
             self.ground,
             measured,
+            self.board,
             *self.counts,
             *rng.seed_words(seed),
             self.blocks,
@@ -150,6 +152,7 @@ def _run(
     counts: tuple[int, int, int] | None = None,
     finished: Finished | None = None,
 ) -> list[Results]:
+    _check_live(scenarios)
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
     outcomes, measured = blocks.outcomes(len(scenarios) * count)
@@ -176,6 +179,20 @@ def _run(
     return results
 
 
+def _check_live(scenarios: list[Scenario]) -> None:
+    """Refuse strategies that ask programs outside the kernel, which a batch does not stop for."""
+    for scenario in scenarios:
+        for path in _live_paths(scenario):
+            if scenario.numbers()[path]:
+                raise ScenarioError(f"{path}: works in single trials and films only; set it to 0 for many trials")
+
+
+def _live_paths(scenario: Scenario) -> list[str]:
+    """List the weights that let strategies ask programs outside the kernel."""
+    found = (registry.load("predators", name).live for name in registry.parts("predators", scenario.predators.strategy))
+    return [f"predators.weights.{name}" for name in found if name]
+
+
 def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
     """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
     known = list(scenario.numbers())
@@ -183,7 +200,7 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
     arrays = {}
     for path, values in weights.items():
         if path not in known:
-            raise ScenarioError(f"weights: unknown key '{path}'; {nearest(path, known)}")
+            raise ScenarioError(f"weights: unknown key '{path}'; {registry.nearest(path, known)}")
         if path not in settled:
             raise ScenarioError(f"weights: {path} is the same for all trials of a batch; set it in the scenario")
         array = np.asarray(values, np.float64)
@@ -210,7 +227,7 @@ def differing(scenario: Scenario) -> set[str]:
     """List the numbers that may differ from trial to trial: what a kernel reads from its table, the structure kept."""
     own = Layout(Structure.of([scenario], 1), runtime.types().lanes).paths
     weights = {path for path in scenario.numbers() if ".weights." in path}
-    return (set(own) | weights) - {"coverage.cell"}
+    return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
 
 
 def _other_end(path: str) -> str | None:

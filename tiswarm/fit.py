@@ -21,6 +21,7 @@ def check(scenario: Any) -> None:
             if dim not in able and (kind == "prey" or agents.count):
                 raise ScenarioError(f"{kind}.{key}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
         _check_flat(kind, agents, dim)
+        _check_whole(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
@@ -36,6 +37,16 @@ def _check_flat(kind: registry.Kind, agents: Any, dim: int) -> None:
         for key, word in getattr(registry.load(kind, part), "flat_only", ()):
             if agents.weights[key] == word:
                 told = f"{agents.weights[key]!r} needs a flat world, world.size has {dim} numbers"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _check_whole(kind: registry.Kind, agents: Any) -> None:
+    """Refuse weights that must be whole numbers within bounds and are not."""
+    for part in registry.parts(kind, agents.strategy):
+        for key, (least, most) in getattr(registry.load(kind, part), "whole", {}).items():
+            value = agents.weights[key]
+            if value != round(value) or not least <= value <= most:
+                told = f"{value:g} is not allowed; use a whole number from {least} to {most}"
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 

@@ -154,8 +154,9 @@ class Layout:
     """Where each number of a batch lies in its table, by structure.
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
-    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; parts(kind, role): what
-    kernels loop over, each with its class (strategy), the hooks it has of its own (own), and its structs.
+    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; board: rows of what
+    predators' surveys write, fixed ones and for each prey; parts(kind, role): what kernels loop over, each with its class
+    (strategy), the hooks it has of its own (own), and its structs.
     """
 
     def __init__(self, structure: Structure, lanes: Any) -> None:
@@ -190,6 +191,7 @@ class Layout:
             setattr(self.at, kind, SimpleNamespace(**columns, **spawn))
         self._parts: list[SimpleNamespace] = []
         self.agent_rows = {"prey": self.rows.count, "predators": self.rows.count}
+        self.board = SimpleNamespace(fixed=0, each=0)
         for part in structure.parts:
             self._add(part, lanes)
 
@@ -208,10 +210,14 @@ class Layout:
         weights = [field.name for field in fields(strategy.Weights)]
         derived = list(strategy.derived({name: np.zeros(1) for name in weights}))
         names = ["on", *weights, *derived]
-        memory = list(getattr(strategy, "memory", ()))
-        notes = [name for each in strategy.notes for name in self._noted(each)] or ["nothing"]
+        memory = self._names(getattr(strategy, "memory", ()))
+        notes = self._names(strategy.notes) or ["nothing"]
         row = self.agent_rows[part.kind]
         self.agent_rows[part.kind] += len(memory)
+        board = SimpleNamespace(**vars(self.board))  # where its own rows begin
+        if part.kind == "predators" and part.role == "strategy":
+            fixed, each = strategy.board_rows(len(self.axes))
+            self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
         self._parts.append(
             SimpleNamespace(
                 part=part,
@@ -221,6 +227,7 @@ class Layout:
                 columns=[self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names],
                 memory=memory,
                 memory_rows=list(range(row, row + len(memory))),
+                board=board,
                 Weights=ti.types.struct(**dict.fromkeys(names, lanes)),
                 Memory=ti.types.struct(**dict.fromkeys(memory or ["nothing"], lanes)),
                 note_names=notes,
@@ -228,8 +235,10 @@ class Layout:
             )
         )
 
-    def _noted(self, name: str) -> list[str]:
-        return [f"{name[:-1]}_{'xyz'[k]}" for k in self.axes] if name.endswith("*") else [name]
+    def _names(self, names: Sequence[str]) -> list[str]:
+        """List names, one an axis for "NAME*"."""
+        spread = [[f"{name[:-1]}_{'xyz'[k]}" for k in self.axes] if name.endswith("*") else [name] for name in names]
+        return [name for each in spread for name in each]
 
     def parts(self, kind: str, role: str, hook: str | None = None) -> list[SimpleNamespace]:
         """List the parts of a role, or those of them that have a hook of their own."""
@@ -242,7 +251,7 @@ class Layout:
             name: row
             for each in self.parts(kind, "strategy")
             for name, row in zip(each.memory, each.memory_rows, strict=True)
-            if name in getattr(each.strategy, "shown", ())
+            if name in self._names(getattr(each.strategy, "shown", ()))
         }
 
     def table(self, scenarios: Sequence[Scenario], weights: Mapping[str, np.ndarray] | None = None) -> np.ndarray:

@@ -29,6 +29,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
     remembering = [p for p in strategies if "remember" in p.own]
     starting = [p for p in strategies if "start" in p.own]
     pursuits = layout.parts("predators", "strategy")
+    surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
     deflected = {kind: bool(layout.parts(kind, "avoidance", "deflect")) for kind in layout.agent_rows}
 
     @ti.func
@@ -162,6 +163,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         numbers: ti.template(),
         clock: ti.template(),
         integer: ti.template(),
+        board: ti.template(),
         b,
         counts,
         key_low,
@@ -173,6 +175,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
             steps.predators.face(predators, b, counts[1], clock[b, AGE] < 0.5)
         if ti.static(frame.verlet):
             steps.predators.drift(predators, numbers, b, counts[1])
+        for survey in ti.static(surveys):
+            survey(prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high)
         quarry = swarm_of(prey, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)

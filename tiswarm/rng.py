@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.runtime import LANES
 
 # Streams are keyed by purpose: two strategies under the same seed meet the same obstacles and starts.
-PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION = 1, 2, 3, 4, 5, 6
+PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS = 1, 2, 3, 4, 5, 6, 7
 
 _ROUNDS = 10
 

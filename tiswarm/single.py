@@ -28,6 +28,8 @@ class Single:
         self.scenario = scenario
         self.seed = seed
         self._blocks = Blocks([scenario], 1)
+        surveying = self._blocks.layout.parts("predators", "strategy", "survey")
+        self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
@@ -45,7 +47,44 @@ class Single:
 
     def step(self, ticks: int = 1) -> None:
         """Run so many ticks, fewer when the trial ends before."""
-        self._advance(ticks)
+        if not self._live:
+            self._advance(ticks)
+            return
+        for _ in range(ticks):
+            if not self.ended:
+                self._consult()
+                self._advance(1)
+
+    def _consult(self) -> None:
+        """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
+        arrays = [each for each in vars(self._blocks).values() if isinstance(each, np.ndarray)]
+        before = [each.copy() for each in arrays]
+        here = self._agents("prey")[self._rows.alive] > 0.5
+        self._advance(1)
+        position = self._agents("prey")[self._rows.place].T.astype(np.float64)
+        position[~here] = np.nan
+        for each, kept in zip(arrays, before, strict=True):
+            each[...] = kept
+        for part in self._live:
+            part.strategy.consult(self._board(part), position, self.scenario.predators.weights)
+
+    def _board(self, part: Any) -> np.ndarray:
+        """Give a view of what a predator strategy's survey wrote in lane 0: [row]."""
+        rows, count = self._blocks.layout.board, self.scenario.prey.count
+        return self._blocks.board[part.board.fixed + part.board.each * count : rows.fixed + rows.each * count, 0]
+
+    def groups(self, kind: str) -> np.ndarray | None:
+        """Give the sub-swarms of the last move, [agent], -1 for none; None when predators do not split up."""
+        for part in self._blocks.layout.parts("predators", "strategy", "survey"):
+            if self.ticks == 0:
+                return np.full(getattr(self.scenario, kind).count, -1)
+            if kind == "predators":
+                found = part.strategy.groups(self.memory(kind)[part.part.name])
+            else:
+                found = part.strategy.prey_groups(self._board(part), self.scenario.prey.count, self.scenario.world.dim)
+            if found is not None:
+                return np.asarray(found)
+        return None
 
     @property
     def ended(self) -> bool:
@@ -124,7 +163,7 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
 
     def note() -> None:
         for kind, kept in rows.items():
-            kept.append((single.position(kind), single.velocity(kind), single.memory(kind)))
+            kept.append((single.position(kind), single.velocity(kind), single.memory(kind), single.groups(kind)))
 
     note()
     while not single.ended:
@@ -136,7 +175,8 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
         position = positions[kind]
         velocity = np.stack([row[1] for row in rows[kind]])
         state = _states(single.scenario, kind, position, positions[other], [row[2] for row in rows[kind]])
-        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, _groups(single.scenario, kind, position))
+        group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
+        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, group)
     centres, radii = single.obstacles()
     return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
 
@@ -179,8 +219,10 @@ def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndar
     return state
 
 
-def _groups(scenario: Scenario, kind: str, position: np.ndarray) -> np.ndarray:
-    """Give each agent's sub-swarm, -1 for a swarm that does not split."""
+def _groups(scenario: Scenario, kind: str, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
+    """Give each agent's sub-swarm in each row, -1 for none: as predators survey it, else as prey split up themselves."""
+    if surveyed[0] is not None:
+        return np.stack(surveyed).astype(np.int32)
     group = np.full(position.shape[:2], -1, np.int32)
     for name in registry.parts(kind, getattr(scenario, kind).strategy):
         strategy = registry.load(kind, name)

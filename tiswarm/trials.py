@@ -114,6 +114,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
         sums: flat,  # [block * row], see measure.py
         ground: flat,  # [block * cell]
         measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
+        board: flat,  # [block * row], what predators' surveys write
         prey_count: ti.i32,
         predator_count: ti.i32,
         obstacle_count: ti.i32,
@@ -150,7 +151,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
                             )
                             if ti.static(structure.hunted):
                                 moves_of.move_predators(
-                                    prey, predators, obstacles, numbers, clock, integer, b, counts, key_low, key_high
+                                    prey, predators, obstacles, numbers, clock, integer, board, b, counts, key_low, key_high
                                 )
                             clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
                             integer[b, TICK] = integer[b, TICK] + ti.u32(1)
