@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
+from tiswarm.single import field
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +69,7 @@ NONE = np.zeros((0, 2))
 @pytest.mark.parametrize(
     ("arrays", "message"),
     [
-        (([[0, 0, 0]], [[0, 0, 0]], NONE, NONE, NONE, []), "prey_position has shape"),
+        (([[0, 0, 0, 0]], [[0, 0, 0, 0]], NONE, NONE, NONE, []), "prey_position has shape"),
         (([[0, 0]], [[0, 0], [1, 1]], NONE, NONE, NONE, []), "prey_velocity"),
         (([[0, np.nan]], [[0, 0]], NONE, NONE, NONE, []), "not finite"),
         ((NONE, NONE, NONE, NONE, NONE, []), "1 prey or more"),
@@ -113,3 +114,21 @@ def test_an_archive_of_something_else_is_no_recording(tmp_path):
 def test_a_trial_number_out_of_range_is_refused(trial):
     with pytest.raises(ValueError, match="trial"):
         tiswarm.record(tiswarm.load("delft/avoidance-10"), trial)
+
+
+def test_the_sampled_field_is_the_avoidances_own(f64):
+    recording = tiswarm.record(tiswarm.load("delft/avoidance-10", {"prey.avoidance": "outward", "world.ticks": 1}), 3)
+    points, arrows = field(recording, across=50)
+    assert points.shape == arrows.shape == (50 * 25, 2)
+    away = points[:, None] - recording.obstacle_position
+    distance2 = (away**2).sum(axis=2)
+    near = (distance2 <= (recording.obstacle_radius + 3.0) ** 2) & (distance2 >= recording.obstacle_radius**2)
+    free = (distance2 >= recording.obstacle_radius**2).all(axis=1)
+    expected = (np.where(near, 10.0 / distance2, 0.0)[..., None] * away).sum(axis=1) * free[:, None]
+    np.testing.assert_allclose(arrows, expected, atol=1e-12)
+
+
+def test_a_deep_world_has_no_field_to_draw():
+    recording = tiswarm.record(tiswarm.load("lookout/aquarium", {"world.ticks": 1, "prey.count": 2}))
+    with pytest.raises(ValueError, match="flat world"):
+        field(recording)

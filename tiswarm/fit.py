@@ -87,8 +87,6 @@ def _check_measures(scenario: Any) -> None:
             cells *= length / scenario.coverage.cell
         if cells > CELLS:
             raise ScenarioError(f"coverage.cell: {scenario.coverage.cell:g} gives {cells:,.0f} cells; use a larger one")
-    if scenario.measures.after > scenario.world.ticks:
-        raise ScenarioError(f"measures.after: {scenario.measures.after} is after the last tick, {scenario.world.ticks}")
 
 
 SWEPT = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")

@@ -240,7 +240,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         if ti.static(len(names) > 0 or cells > 0):
             unseen = (clock[b, MEASURED] < clock[b, AGE] + 0.5) & (clock[b, ON] > 0.5)
             if anywhere(unseen):
-                counted = unseen & (clock[b, AGE] > numbers[b * width + at.after] - 0.5)
+                after = smaller(numbers[b * width + at.after], numbers[b * width + at.ticks])
+                counted = unseen & (clock[b, AGE] > after - 0.5)
                 if anywhere(counted):
                     measure_motion(sums, prey, b, counts[0], counted)
                     if ti.static(bool(pair_names)):

@@ -198,7 +198,7 @@ def measured(recording: Recording, name: str) -> float:
     """
     if name not in get_args(Measure):
         raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(get_args(Measure)))}")
-    after = recording.scenario.measures.after
+    after = min(recording.scenario.measures.after, recording.scenario.world.ticks)
     if name.startswith("time-to-"):
         return time_to(recording, int(name.removeprefix("time-to-")) / 100)
     if name in LAST:

@@ -91,7 +91,7 @@ def load(kind: Kind, name: str) -> Any:
     """
     file = _files(kind).get(name)
     if file is None:
-        raise UnknownStrategy(f"unknown '{name}'; {nearest(name, names(kind))}")
+        raise UnknownStrategy(f"unknown {name!r}; {nearest(name, names(kind))}")
     if isinstance(file, Path):
         _check_lanes(file)
     module = _imported(kind, file)

@@ -243,7 +243,7 @@ class Measures(Part):
     """What is measured while a trial runs, beyond who arrived: see `metrics.py`."""
 
     names: tuple[Measure, ...] = ()
-    after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on
+    after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least
     distance: Positive = 1.0  # agents nearer than this are of one group [m]
 
 
@@ -382,7 +382,9 @@ def overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str,
 
 
 def _drop_stale_weights(table: dict[str, Any], kind: registry.Kind, overrides: Mapping[str, Any]) -> None:
-    agents = table[kind]
+    agents = table.get(kind)
+    if not isinstance(agents, dict):
+        return  # the check of the whole scenario says what is wrong
     weights = agents.get("weights")
     chosen = [agents.get("strategy", ""), agents.get("avoidance", "")]
     known = [name for name, where in zip(chosen, (kind, "avoidance"), strict=True) if name in registry.names(where)]

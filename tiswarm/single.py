@@ -124,6 +124,10 @@ class Single:
         vectors[rows[self._rows.alive] < 0.5] = np.nan
         return vectors
 
+    def pull(self, kind: str) -> np.ndarray:
+        """Give what the obstacles' fields add to each agent's velocity: [agent, dim], m/s."""
+        return self._agents(kind)[self._rows.field].T.astype(np.float64)
+
     def fate(self, kind: str) -> np.ndarray:
         """Name what became of each agent so far: [agent]."""
         return np.array(FATES)[self._agents(kind)[self._rows.fate].astype(int)]
@@ -175,6 +179,28 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
         swarms[kind] = Swarm(position, velocity, single.fate(kind), state, group)
     centres, radii = single.obstacles()
     return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
+
+
+def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarray]:
+    """Sample the prey's obstacle avoidance on a square lattice over a flat world: points and arrows, [point, 2], m and m/s.
+
+    The engine itself computes it, on prey at rest at the lattice's points; avoidances that turn the course instead have none.
+
+    Errors: ValueError for a deep world.
+    """
+    scenario = recording.scenario
+    if recording.dim != 2:
+        raise ValueError("field: only a flat world has a field to draw; leave the overlay out")
+    side = max(scenario.world.size) / across
+    axes = [np.arange(0.5 * side, length, side) for length in scenario.world.size]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    none = np.zeros((0, 2))
+    probes = Start(points, np.zeros_like(points), none, none, recording.obstacle_position, recording.obstacle_radius)
+    alone = {"predators.count": 0, "measures.names": [], "coverage.cell": 0}
+    pull = Single(scenario.replaced(alone), recording.seed, recording.trial, probes).pull("prey")
+    away = np.linalg.norm(points[:, None] - recording.obstacle_position, axis=2)
+    pull[(away < recording.obstacle_radius).any(axis=1)] = 0  # nobody is there to feel it
+    return points, pull
 
 
 def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndarray, memories: list[Any]) -> np.ndarray:

@@ -38,7 +38,7 @@ def _spread(count, dim=2, seed=0, apart=0.6):
 
 def _single(count, law, dt, seed=0):
     """Start a long run under the Verlet scheme."""
-    keys = {"prey.weights.law": law, "world.ticks": 100_000, "world.dt": dt, "measures.names": [], "measures.after": 0}
+    keys = {"prey.weights.law": law, "world.ticks": 100_000, "world.dt": dt, "measures.names": []}
     scenario = tiswarm.load("sanitation/potential", {**keys, "prey.max_speed": 1000.0, "world.scheme": "verlet"})
     return Single(scenario, 0, 0, _start(*_spread(count, seed=seed)))
 
@@ -49,7 +49,7 @@ def _energy(single):
 
 def _settled(count, dim=2):
     """Give where robots are after 80 s of the theorem's law."""
-    keys = {"prey.weights.law": "velocity", "world.ticks": 100_000, "measures.names": [], "measures.after": 0}
+    keys = {"prey.weights.law": "velocity", "world.ticks": 100_000, "measures.names": []}
     keys |= {"world.size": [8] * dim, "prey.spawn.region": [[2] * dim, [6] * dim], "prey.spawn.velocity": [[0] * dim] * 2}
     single = Single(tiswarm.load("sanitation/potential", keys), 0, 0, _start(*_spread(count, dim)))
     single.step(8000)
@@ -90,7 +90,7 @@ class TestVelocityLaw:
 
     @pytest.mark.parametrize("seed", range(5))
     def test_energy_never_rises_momentum_stays_and_nobody_meets(self, seed, f64):
-        keys = {"prey.weights.law": "velocity", "world.dt": 0.002, "measures.names": [], "measures.after": 0}
+        keys = {"prey.weights.law": "velocity", "world.dt": 0.002, "measures.names": []}
         path = tiswarm.record(tiswarm.load("sanitation/potential", keys), start=_start(*_spread(6, seed=seed)))
         velocity, place = path.prey.velocity, path.prey.position
         # W = ½ Σ (V_i + |v_i|²), V_i the sum over the others, is the kinetic energy and each pair's potential once
@@ -101,7 +101,7 @@ class TestVelocityLaw:
         assert away.min() > 0.1
 
     def test_velocities_converge(self, f64):
-        keys = {"prey.weights.law": "velocity", "world.ticks": 100_000, "measures.names": [], "measures.after": 0}
+        keys = {"prey.weights.law": "velocity", "world.ticks": 100_000, "measures.names": []}
         for seed in range(3):
             single = Single(tiswarm.load("sanitation/potential", keys), 0, 0, _start(*_spread(6, seed=seed)))
             single.step(20_000)
@@ -140,7 +140,7 @@ class TestHeadingLaw:
         np.testing.assert_allclose(np.sqrt((velocity**2).sum(axis=1).mean()), expected, rtol=1e-3)
 
     def test_a_robot_at_rest_keeps_its_heading(self, f64):
-        scenario = tiswarm.load("sanitation/potential", {"measures.names": [], "measures.after": 0})
+        scenario = tiswarm.load("sanitation/potential", {"measures.names": []})
         single = Single(scenario, 0, 0, _start([[4.0, 4.0]], [[0.0, 0.2]]))
         single.step()
         single.place("prey", np.array([[4.0, 4.0]]), np.zeros((1, 2)))
@@ -149,7 +149,7 @@ class TestHeadingLaw:
 
 
 def test_beyond_the_radius_of_sight_there_is_no_force(f64):
-    keys = {"prey.perception": 1.5, "measures.names": [], "measures.after": 0}
+    keys = {"prey.perception": 1.5, "measures.names": []}
     single = Single(tiswarm.load("sanitation/potential", keys), 0, 0, _start([[2.0, 2.0], [4.0, 2.0]], np.zeros((2, 2))))
     single.step()
     np.testing.assert_array_equal(single.velocity("prey"), np.zeros((2, 2)))

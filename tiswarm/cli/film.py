@@ -68,7 +68,7 @@ def film(
         str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
     ] = "fit",
     overlay: Annotated[
-        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage.")
+        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field.")
     ] = "",
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
     sets: Sets = None,
@@ -81,7 +81,8 @@ def film(
     """Run one trial and film it, or several at once, film a recording, or a trial that a study's table counted."""
     import render
 
-    look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": _names(overlay), "slow": slow}
+    overlays = tuple(name for name in _names(overlay) if name != "field")
+    look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": overlays, "slow": slow}
     render.Look(**look)  # wrong choices are told before anything runs
     pixels = pair(size, "--size", "1280x720")
     picks = [pick for pick, wanted in (("worst", worst), ("median", median), ("best", best)) if wanted]
@@ -98,11 +99,23 @@ def film(
     else:
         start(seed, threads, precision, strategy_path)
         subject, name = _subject(source, sets, trial, seed, grid, versus)
+    if "field" in _names(overlay):
+        look["field"] = _field(subject)
     _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(subject, poster, size=pixels, **look)
     if sheet is not None:
         render.sheet(subject, sheet, **look)
+
+
+def _field(subject: Any) -> Any:
+    """Sample the field of the obstacles of one recording, to be drawn as arrows."""
+    import render
+    from tiswarm.single import field
+
+    if isinstance(subject, list):
+        raise WrongInput("--overlay field: each trial has obstacles of its own; film one trial")
+    return render.Field(*field(subject))
 
 
 def _counted(study: Any, cell: int | None, trial: int, picks: list[str], quiet: bool) -> tuple[Any, str]:
