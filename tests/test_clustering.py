@@ -231,16 +231,15 @@ class TestPredators:
             tiswarm.load("delft/cluster-10", {"predators.strategy": "pronav"}),
             tiswarm.load("delft/cluster-0", {"predators.weights.max_clusters": 3, "predators.weights.sticky": True}),
         ]
-        found = []
-        for threads in (1, 2):
-            tiswarm.init("f32", threads)
-            found.append(simulate_many(scenarios, 24, seed=4))
+        tiswarm.init("f32", 1)
+        together = simulate_many(scenarios, 24, seed=4)
+        tiswarm.init("f32", 2)
+        for one, scenario in zip(together, scenarios, strict=True):
+            if scenario.predators.strategy == "cluster":
+                alone = tiswarm.simulate(scenario, 24, seed=4)
+                for name in OUTCOMES:
+                    np.testing.assert_array_equal(getattr(one, name), getattr(alone, name))
         tiswarm.init("f32")
-        for one, two, scenario in zip(*found, scenarios, strict=True):
-            alone = tiswarm.simulate(scenario, 24, seed=4) if scenario.predators.strategy == "cluster" else one
-            for name in OUTCOMES:
-                np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
-                np.testing.assert_array_equal(getattr(one, name), getattr(alone, name))
 
     def test_with_one_cluster_they_steer_for_the_centre(self, f64):
         one = tiswarm.record(tiswarm.load("delft/cluster-10", {"predators.weights.max_clusters": 1}), 2)
