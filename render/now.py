@@ -58,10 +58,19 @@ def images(spots: np.ndarray, around: np.ndarray, period: np.ndarray | float) ->
     spots: [point, 2]; around: [point, 4], what is seen: x0, y0, x1, y1 [m], at most one more world on each side.
     period: [point, 2], 0 for worlds that are not periodic.
     """
-    turns = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)], float)
-    shifts = turns[None] * np.broadcast_to(period, spots.shape)[:, None]
-    moved = spots[:, None] + shifts
-    seen = ((moved >= around[:, None, :2]) & (moved <= around[:, None, 2:])).all(axis=2)
-    seen &= (shifts != 0).any(axis=2) | (turns == 0).all(axis=1)  # worlds without edges have no images but the point itself
-    points, turn = seen.nonzero()
-    return points, shifts[points, turn]
+    period = np.broadcast_to(period, spots.shape)
+    # Along each axis: is the image one period lower seen, the point itself, the image one period higher?
+    seen = np.empty((2, 3, len(spots)), bool)
+    for axis in (0, 1):
+        place, low, high, size = spots[:, axis], around[:, axis], around[:, axis + 2], period[:, axis]
+        for n, turn in enumerate((-1, 0, 1)):
+            moved = place + turn * size
+            np.logical_and(moved >= low, moved <= high, out=seen[axis, n])
+            if turn:  # worlds without edges have no images but the point itself
+                seen[axis, n] &= size != 0
+    found = [(x, y, np.flatnonzero(seen[0, x] & seen[1, y])) for x in range(3) for y in range(3)]
+    points = np.concatenate([own for _, _, own in found])
+    turns = np.concatenate([np.full((len(own), 2), (x - 1.0, y - 1.0)) for x, y, own in found])
+    order = points.argsort(kind="stable")
+    points = points[order]
+    return points, turns[order] * period[points]

@@ -179,13 +179,19 @@ class Scene:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Give the same in periodic worlds, where a piece across the edge is seen on both sides of it."""
         assert self.paths.period is not None
-        a, period = line[starts, agents, :2], self.paths.period[agents, :2]
-        step = line[starts + 1, agents, :2] - a
+        points, start = line[..., :2].reshape(-1, 2), starts * self.paths.count + agents
+        period = self.paths.period[:, :2].take(agents, axis=0)
+        a = points.take(start, axis=0)
+        step = points.take(start + self.paths.count, axis=0) - a
         step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
         half = np.abs(step) / 2
-        copies, shift = images(a + step / 2, around[agents] + np.concatenate([-half, half], axis=1), period)
-        own, a, step = camera.of(agents[copies]), a[copies] + shift, step[copies]
-        return own.place(a), own.place(a + step), agents[copies], starts[copies]
+        seen = around.take(agents, axis=0)
+        seen[:, :2] -= half
+        seen[:, 2:] += half
+        copies, shift = images(a + step / 2, seen, period)
+        agents, starts = agents.take(copies), starts.take(copies)
+        own, a, step = camera.of(agents), a.take(copies, axis=0) + shift, step.take(copies, axis=0)
+        return own.place(a), own.place(a + step), agents, starts
 
     def _prey(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw prey as drops, round in front; their state shows on them."""
