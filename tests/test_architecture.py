@@ -35,6 +35,7 @@ ORDER = [
     "contact",
     "sense",
     "step",
+    "drive",
     "move",
     "trials",
     "swarm",

@@ -46,7 +46,7 @@ def _draw(seed, purpose, ticks=64):
     def draw(out: lanes, numbers: integers, low: ti.u32, high: ti.u32, count: ti.i32):
         for _ in range(1):
             for index in range(count):
-                a, b, c, d = uniform(low, high, numbers[0], purpose, index, numbers[1])
+                a, b, c, d = uniform(low, high, numbers[0], purpose, types.integer_lanes(ti.cast(index, ti.u32)), numbers[1])
                 out[index, 0] = a
                 out[index, 1] = b
                 out[index, 2] = c

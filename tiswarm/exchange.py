@@ -146,7 +146,8 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         for i in range(n):
             board[weight + i] = board[r + at.points + at.alive * n + i]
         for c in range(clusters):
-            share, _, _, _ = uniform(key_low, key_high, trial, rng.CLUSTERS, (attempt * most + clusters) * most + c, tick)
+            index = types.integer_lanes(ti.cast((attempt * most + clusters) * most + c, ti.u32))
+            share, _, _, _ = uniform(key_low, key_high, trial, rng.CLUSTERS, index, tick)
             total = lanes(0.0)
             for i in range(n):
                 total += board[weight + i]

@@ -4,12 +4,21 @@ A place, a velocity or a way is a list of two or three such numbers, one for eac
 and z. Lists are Python's: unrolled when a kernel is compiled, changed in place element by element, never assigned anew.
 """
 
+from types import SimpleNamespace
+
 import taichi as ti
 
 from tiswarm.runtime import LANES
 
 TINY = 1e-12
 """Keeps quotients finite where two points coincide; far below any squared distance that matters [m²]."""
+
+
+class Together(SimpleNamespace):
+    """Values and arrays that funcs hand on together: made inside kernels, read there by name, never assigned to."""
+
+    _data_oriented = True  # a kernel may give it a name
+    _is_taichi_function = False  # a kernel may make one without a warning
 
 
 def coordinates(agent) -> list:

@@ -14,7 +14,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     The n-th agent of block b begins at row (b * count + n) * rows of its array: one index an agent, its numbers side by
     side. More indices or one array per number cost more instructions to address than the term itself.
     """
-    lanes = types.lanes
+    lanes, real = types.lanes, types.real
     at, rows = layout.at, layout.rows
     width = len(layout.paths)
     dim = layout.structure.frame.dim
@@ -31,9 +31,9 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     state = axes("", "v")
     limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
     see = SimpleNamespace(
-        # number: 1, 2, ...; behind it what strategies show of their memory
-        Me={kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=ti.i32) for kind in layout.agent_rows},
-        Mate={kind: struct([*state, "alive", *layout.shown(kind)], number=ti.i32) for kind in layout.agent_rows},
+        # shown: what strategies show of their memory; number: 1, 2, ...; odd: 1 where that is odd, else 0
+        Me={kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
+        Mate={kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
         Mates=struct(["n", *state, *axes("push_")]),  # see flocking.see_mate
         Threat=struct(["n", *axes("")]),  # n: predators in sight; x, y: Σ (p - q) over them
         Swarm=struct(["n", *state, "age"]),  # alive prey: how many, mean position and velocity; ticks run
@@ -60,12 +60,14 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
                 *[agents[a + row] for row in ti.static(first)],
                 *ti.static([getattr(limits, name) for name in limits.keys]),
                 *[agents[a + row] for row in ti.static(shown)],
-                i + 1,
+                ti.cast(i + 1, real),
+                ti.cast((i + 1) & 1, real),
             )
 
         @ti.func
         def mate_at(agents: ti.template(), a, i):
-            return Mate(*[agents[a + row] for row in ti.static(mate_rows)], i + 1)
+            state = [agents[a + row] for row in ti.static(mate_rows)]
+            return Mate(*state, ti.cast(i + 1, real), ti.cast((i + 1) & 1, real))
 
         return me_at, mate_at
 

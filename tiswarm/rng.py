@@ -57,8 +57,8 @@ def build(types: SimpleNamespace) -> SimpleNamespace:
 
     @ti.func
     def uniform(key_low, key_high, trial, purpose: ti.template(), index, tick):
-        """Draw four numbers in [0, 1) a lane. trial, tick: integer lanes; index: whole number."""
-        a, b, c, d = philox(integers(ti.cast(index, ti.u32)), trial, integers(ti.u32(purpose)), tick, key_low, key_high)
+        """Draw four numbers in [0, 1) a lane. trial, index, tick: integer lanes."""
+        a, b, c, d = philox(index, trial, integers(ti.u32(purpose)), tick, key_low, key_high)
         return fraction(a), fraction(b), fraction(c), fraction(d)
 
     return SimpleNamespace(uniform=uniform)

@@ -9,7 +9,7 @@ from tiswarm.layout import Layout
 
 
 def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
-    """Build wall_turn, limited, drift, advance, commit and face (kind -> func), and bounce."""
+    """Build wall_turn, bounce, and for each kind limited, drift, face, advance and commit, one agent each."""
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
@@ -27,7 +27,7 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
                 course[k] += ti.select(here > numbers[n + at.size[k]] - margin, -1.0 * step, 0.0)
 
     def kind_of(kind: str) -> SimpleNamespace:
-        columns, own_rows = getattr(at, kind), layout.agent_rows[kind]
+        columns = getattr(at, kind)
         unicycle, slow = kind in frame.unicycles, kind in frame.slow
 
         @ti.func
@@ -42,24 +42,20 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
                 course[k] = scale * course[k]
 
         @ti.func
-        def drift(agents: ti.template(), numbers: ti.template(), b, count):
+        def drift(agents: ti.template(), a, numbers: ti.template(), b):
             """Half a step with the old velocity, so that forces are felt in the middle of the step (Verlet)."""
             half = 0.5 * numbers[b * width + at.dt]
-            for i in range(count):
-                a = (b * count + i) * own_rows
-                for k in ti.static(range(dim)):
-                    agents[a + rows.place[k]] = agents[a + rows.place[k]] + half * agents[a + rows.motion[k]]
+            for k in ti.static(range(dim)):
+                agents[a + rows.place[k]] = agents[a + rows.place[k]] + half * agents[a + rows.motion[k]]
 
         @ti.func
-        def face(agents: ti.template(), b, count, fresh):
-            """Let unicycles that start head where they move, or along x when they stand."""
-            for i in range(count):
-                a = (b * count + i) * own_rows
-                ahead = unit([agents[a + row] for row in ti.static(rows.motion)])
-                stands = ti.select(dot(ahead, ahead) < 0.5, 1.0, 0.0)
-                ahead[0] += stands
-                for k in ti.static(range(2)):
-                    agents[a + rows.heading[k]] = ti.select(fresh, ahead[k], agents[a + rows.heading[k]])
+        def face(agents: ti.template(), a, fresh):
+            """Let a unicycle that starts head where it moves, or along x when it stands."""
+            ahead = unit([agents[a + row] for row in ti.static(rows.motion)])
+            stands = ti.select(dot(ahead, ahead) < 0.5, 1.0, 0.0)
+            ahead[0] += stands
+            for k in ti.static(range(2)):
+                agents[a + rows.heading[k]] = ti.select(fresh, ahead[k], agents[a + rows.heading[k]])
 
         @ti.func
         def steered(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):
@@ -92,26 +88,24 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
                 agents[a + rows.next_place[k]] = place(me)[k] + course[k] * step
 
         @ti.func
-        def commit(agents: ti.template(), numbers: ti.template(), b, count):
-            """Take the next state over, inside the world's edges; those who are gone stay where they went, at finite places."""
+        def commit(agents: ti.template(), a, numbers: ti.template(), b):
+            """Take the next state over, inside the world's edges; who is gone stays where it went, at a finite place."""
             n = b * width
-            for i in range(count):
-                a = (b * count + i) * own_rows
-                here = agents[a + rows.alive] > 0.5
-                for k in ti.static(range(dim)):
-                    to = agents[a + rows.next_place[k]]
-                    rate = agents[a + rows.next_motion[k]]
-                    size = numbers[n + at.size[k]]
-                    if ti.static(frame.boundary == "periodic"):
-                        to = to - size * ti.floor(to / size)
-                        to = ti.select(to >= size, 0.0, to)  # rounding may lift a tiny negative number to the size itself
-                    if ti.static(frame.boundary == "walls"):
-                        low = smaller(numbers[n + columns.radius], 0.5 * size)
-                        within = larger(smaller(to, size - low), low)
-                        rate = ti.select((to < within) & (rate < 0.0) | (to > within) & (rate > 0.0), 0.0, rate)
-                        to = within
-                    agents[a + rows.place[k]] = ti.select(here, to, agents[a + rows.place[k]])
-                    agents[a + rows.motion[k]] = rate
+            here = agents[a + rows.alive] > 0.5
+            for k in ti.static(range(dim)):
+                to = agents[a + rows.next_place[k]]
+                rate = agents[a + rows.next_motion[k]]
+                size = numbers[n + at.size[k]]
+                if ti.static(frame.boundary == "periodic"):
+                    to = to - size * ti.floor(to / size)
+                    to = ti.select(to >= size, 0.0, to)  # rounding may lift a tiny negative number to the size itself
+                if ti.static(frame.boundary == "walls"):
+                    low = smaller(numbers[n + columns.radius], 0.5 * size)
+                    within = larger(smaller(to, size - low), low)
+                    rate = ti.select((to < within) & (rate < 0.0) | (to > within) & (rate > 0.0), 0.0, rate)
+                    to = within
+                agents[a + rows.place[k]] = ti.select(here, to, agents[a + rows.place[k]])
+                agents[a + rows.motion[k]] = rate
 
         return SimpleNamespace(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
 

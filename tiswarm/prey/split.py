@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.lanes import dot
 from tiswarm.prey import Prey
 
 
@@ -30,20 +31,18 @@ class Strategy(Prey):
     @staticmethod
     @ti.func
     def mates(me, mate, weights):
-        return 1.0 - ((me.number ^ mate.number) & 1)
+        return 1.0 - (me.odd - mate.odd) * (me.odd - mate.odd)
 
     @staticmethod
     @ti.func
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
-        odd = me.number & 1
-        even = 1 - odd
+        odd = me.odd
+        even = 1.0 - odd
         from_x = mate.x - (odd * second.x + even * first.x)
         from_y = mate.y - (odd * second.y + even * first.y)
-        to_x = mate.x - me.x
-        to_y = mate.y - me.y
         seen = from_x * from_x + from_y * from_y <= me.perception * me.perception
-        felt = to_x * to_x + to_y * to_y <= weights.part_range * weights.part_range
-        other = ((me.number ^ mate.number) & 1) * ti.select(mate.number > 2, 1, 0)
+        felt = dot(away, away) <= weights.part_range * weights.part_range
+        other = (odd - mate.odd) * (odd - mate.odd) * ti.select(mate.number > 2.5, 1.0, 0.0)
         counted = ti.select(seen & felt, other * mate.alive * (odd * second.alive + even * first.alive), 0.0)
         notes.n += counted
         notes.x += counted * mate.x
