@@ -114,8 +114,8 @@ def test_what_cannot_be_is_refused(f32):
         Swarm(scenario, start=(position, swarm.velocity()))
     with pytest.raises(ValueError, match="need"):
         Swarm(scenario, start=(position[0], swarm.velocity()))
-    with pytest.raises(ScenarioError, match=r"obstacles\.count"):
-        Swarm(scenario.replaced({"obstacles.count": 3}))
+    with pytest.raises(ScenarioError, match=r"world\.contact.*all-pairs"):
+        Swarm(scenario.replaced({"world.contact": "bounce"}))
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "open"])
@@ -127,5 +127,5 @@ def test_ticks_in_one_go_are_ticks_one_by_one(boundary, f32, monkeypatch):
     single = Swarm(scenario, seed=6, trials=2)
     for _ in range(12):
         single.step()
-    assert at_once.ticks == single.ticks == 12
+    assert at_once.age == single.age == 12
     assert np.array_equal(at_once.position(), single.position())

@@ -5,9 +5,10 @@ from operator import index
 
 import numpy as np
 
-from tiswarm import registry, rng, runtime, trials
+from tiswarm import registry, rng, runtime, swarm, trials
 from tiswarm.explain import ScenarioError
 from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
+from tiswarm.neighbours import by_grid
 from tiswarm.progress import reporting
 from tiswarm.results import Results
 from tiswarm.runtime import LANES
@@ -113,9 +114,11 @@ def simulate(
     """
     trials, seed = _checked(trials, seed)
     if weights:
+        if scenario.world.neighbours == "grid":
+            raise ScenarioError("weights: numbers of single trials need all pairs; set world.neighbours to 'all-pairs'")
         counts = _check_weights(scenario, weights, trials)
         return _run([scenario], trials, seed, progress, weights, counts)[0]
-    return _run([scenario], trials, seed, progress)[0]
+    return simulate_many([scenario], trials, seed, progress)[0]
 
 
 def simulate_many(
@@ -131,7 +134,28 @@ def simulate_many(
     finished: called with a scenario's place and its results once its last trial is over, while others still run.
     """
     trials, seed = _checked(trials, seed)
+    gridded = [by_grid(scenario) for scenario in scenarios]
+    if any(gridded):
+        return _run_apart(scenarios, trials, seed, progress, finished)
     return _run(list(scenarios), trials, seed, progress, finished=finished)
+
+
+def _run_apart(
+    scenarios: Sequence[Scenario], trials: int, seed: int, progress: Progress, finished: Finished | None
+) -> list[Results]:
+    """Run scenarios one after the other, large swarms among them through a grid."""
+    results: list[Results] = []
+    with reporting(progress, trials * len(scenarios), "trials") as report:
+        for scenario in scenarios:
+            done = trials * len(results)
+            if by_grid(scenario):
+                own = swarm.outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
+                results.append(Results.of(scenario, seed, runtime.start(), own, {}, None))
+            else:
+                results += _run([scenario], trials, seed, lambda here, _, done=done: report(done + here))  # type: ignore[misc]
+            if finished is not None:
+                finished(len(results) - 1, results[-1])
+    return results
 
 
 def _checked(trials: int, seed: int) -> tuple[int, int]:

@@ -83,8 +83,10 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
 
     epsilon: relative spacing of the reals that positions are stored in; cells are wider by what rounding may shift.
     """
-    if not 0 < reach < float("inf"):
+    if not reach > 0:
         raise ValueError(f"reach: {reach} is not possible; use a positive number")
+    if reach == float("inf"):
+        return _everybody(space)
     wide = reach * (1 + 1e-5 + 16 * epsilon)
     most = 4 * count + 64
     if space.boundary == "open" or (space.boundary == "walls" and prod(max(1, side / wide) for side in space.size) > most):
@@ -109,6 +111,13 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
         longest=counts[0] if space.boundary == "periodic" and not narrow[0] else 2**30,
         cells=prod(counts) + 1,
     )
+
+
+def _everybody(space: Space) -> Plan:
+    """Plan one cell, so that everybody meets everybody."""
+    ones = (1,) * space.dimensions
+    narrow = (space.boundary == "periodic",) * space.dimensions
+    return Plan((0.0,) * space.dimensions, ones, ones[1:], (0,) * space.dimensions, narrow, mask=-1, longest=2**30, cells=2)
 
 
 def _hashed(dimensions: int, wide: float, count: int) -> Plan:
@@ -140,8 +149,13 @@ class Grid:
     A trial has `slots` slots, a multiple of LANES; slots without an agent, and agents that are gone, come last.
     """
 
-    def __init__(self, space: Space, reach: float, count: int, trials: int = 1) -> None:
-        """Allocate a grid for `count` agents in each of `trials`. Errors: ValueError for what does not fit into memory."""
+    def __init__(self, space: Space, reach: float, count: int, trials: int = 1, extra: int = 0) -> None:
+        """Allocate a grid for `count` agents in each of `trials`, who see as far as `reach` [m], inf for any distance.
+
+        extra: how many numbers an agent shows to others beyond position and velocity.
+
+        Errors: ValueError for what does not fit into memory.
+        """
         types = runtime.types()
         settings = runtime.start()
         self.space, self.count, self.trials = space, count, trials
@@ -150,9 +164,9 @@ class Grid:
         self.total = self.slots * trials
         self.chunks = 1 if self.total <= ALONE else min(settings.threads, MOST_CHUNKS)
         entries = HEAD + 3 * self.total + self.chunks * (self.plan.cells * trials + 1)
-        if max(entries, 2 * self.total * 8) > MOST_ENTRIES:
+        if max(entries, 2 * self.total * 12) > MOST_ENTRIES:
             raise ValueError(f"{trials:,} trials of {count:,} agents are more than a grid can number; use fewer")
-        self.funcs = funcs(space, self.plan)
+        self.funcs = funcs(space, self.plan, extra)
         self.agents = runtime.aligned((2 * self.total, self.funcs.width), types.dtype)
         self.whole = runtime.aligned((entries,), np.int32)
         self.reals = np.zeros(6, np.float64)
@@ -240,16 +254,18 @@ class Grid:
 _built: dict[tuple[Any, ...], SimpleNamespace] = {}
 
 
-def funcs(space: Space, cut: Plan) -> SimpleNamespace:
+def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
-    key = (runtime.generation(), space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow)
+    width = 4 * -(-(2 * space.dimensions + extra) // 4)
+    key = (runtime.generation(), space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
     if key not in _built:
         _built[key] = _build(runtime.types(), *key[1:])
     return _built[key]
 
 
-def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...]) -> SimpleNamespace:
-    width = 4 if dimensions == 2 else 8
+def _build(
+    types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int
+) -> SimpleNamespace:
     solid = dimensions == 3
     lanes, real = types.lanes, types.real
     record = ti.types.vector(width, real)
@@ -542,6 +558,11 @@ def _build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool
         real_array=real_array,
         walks=walks,
         across=across,
+        cells_of=cells_of,
+        fits=fits,
+        hashed=hashed,
+        periodic=periodic,
+        count_x=COUNT_X,
         place_of=place_of,
         alive_end=alive_end,
         arrange=arrange,

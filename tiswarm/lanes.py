@@ -20,6 +20,12 @@ class Together(SimpleNamespace):
     _data_oriented = True  # a kernel may give it a name
     _is_taichi_function = False  # a kernel may make one without a warning
 
+    def of(self, name: str) -> object:
+        """Give one of the values by its name."""
+        return getattr(self, name)
+
+    of._is_taichi_function = False  # type: ignore[attr-defined]
+
 
 def coordinates(agent) -> list:
     """List x, y and, in three dimensions, z of a struct; inside kernels under `ti.static`, or as `place`."""

@@ -11,13 +11,15 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from tiswarm import fit, registry
 from tiswarm.explain import ScenarioError, explained
 
+MOST_AGENTS = 4_000_000
+
 LIMIT = 1e6
 """Largest magnitude of any length, speed or weight: products of a few of them still fit into single precision."""
 
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LIMIT, le=LIMIT)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LIMIT)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=LIMIT)]
-Count = Annotated[int, Field(strict=True, ge=0, le=10_000)]
+Count = Annotated[int, Field(strict=True, ge=0, le=MOST_AGENTS)]
 Point = Annotated[tuple[Real, ...], Field(min_length=2, max_length=3)]
 
 
@@ -110,6 +112,8 @@ class World(Part):
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
     # What a touch does: predator and prey both die, only the prey does, prey bounce off each other, or nothing.
     contact: Literal["deadly", "eaten", "bounce", "none"] = "deadly"
+    # How agents find their neighbours: by comparing all pairs, through a grid, or whichever is faster for so many.
+    neighbours: Literal["auto", "all-pairs", "grid"] = "auto"
     areas: tuple[Area, ...] = ()
 
     @property
@@ -213,7 +217,7 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
 class Prey(Agents):
     """The swarm that wants to arrive."""
 
-    count: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 6
+    count: Annotated[int, Field(strict=True, ge=1, le=MOST_AGENTS)] = 6
     strategy: PreyStrategy = "baseline"
     avoidance: Avoidance = "none"
     radius: NotNegative = 0.5

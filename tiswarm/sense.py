@@ -23,7 +23,7 @@ def flocking(layout: Layout, kind: str) -> bool:
     return all(p.strategy.flocks or p.part.mixed for p in layout.parts(kind, "strategy"))
 
 
-def build_terms(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
+def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
     """Build what both ways of visiting share: counted, flocked (kind -> func) and seen."""
     at = layout.at
     width = len(layout.paths)
@@ -36,7 +36,7 @@ def build_terms(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
         @ti.func
         def counted(numbers: ti.template(), b, me: ti.template(), mate: ti.template()):
             """Give 1 for a mate that is there and that all strategies count as one, else 0."""
-            counts = mate.alive
+            counts = types.lanes(1.0) * mate.alive  # which may be one number for all lanes
             for p in ti.static(choosy):
                 weights = see.weights_of(p, numbers, b)
                 chosen = p.strategy.mates(me, mate, weights)
@@ -93,7 +93,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
     prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
     hunted = layout.structure.hunted
     watched = watching(layout)
-    terms = build_terms(layout, see)
+    terms = build_terms(layout, types, see)
 
     def gathers(kind: str):
         own_rows, mate_at, own = layout.agent_rows[kind], see.mate_at[kind], getattr(terms, kind)

@@ -8,9 +8,13 @@ import numpy as np
 from tiswarm import registry
 from tiswarm.batch import Blocks
 from tiswarm.layout import AGE, DONE
-from tiswarm.recording import FATES, Recording, Swarm
+from tiswarm.neighbours import by_grid
+from tiswarm.recording import FATES, Recording
+from tiswarm.recording import Swarm as Path
 from tiswarm.scenario import Scenario
 from tiswarm.start import Start
+from tiswarm.states import grouped, named
+from tiswarm.swarm import Swarm
 
 
 class Single:
@@ -158,6 +162,8 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
 
     start: an explicit start state; counts then come from it, not from the scenario.
     """
+    if by_grid(scenario):
+        return Swarm(scenario, seed, 1, trial, start).record()
     single = Single(scenario, seed, trial, start)
     rows: dict[str, list[Any]] = {"prey": [], "predators": []}
 
@@ -171,12 +177,14 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
         note()
     positions = {kind: np.stack([row[0] for row in kept]) for kind, kept in rows.items()}
     swarms = {}
+    kind: registry.Kind
     for kind, other in (("prey", "predators"), ("predators", "prey")):
         position = positions[kind]
         velocity = np.stack([row[1] for row in rows[kind]])
-        state = _states(single.scenario, kind, position, positions[other], [row[2] for row in rows[kind]])
+        both = zip(position, positions[other], rows[kind], strict=True)
+        state = np.stack([named(single.scenario, kind, own, others, row[2]) for own, others, row in both])
         group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
-        swarms[kind] = Swarm(position, velocity, single.fate(kind), state, group)
+        swarms[kind] = Path(position, velocity, single.fate(kind), state, group)
     centres, radii = single.obstacles()
     return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
 
@@ -203,30 +211,8 @@ def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarra
     return points, pull
 
 
-def _states(scenario: Scenario, kind: str, position: np.ndarray, others: np.ndarray, memories: list[Any]) -> np.ndarray:
-    """Name each agent's state in each row: what its strategy says, else alarmed when it sees an opponent, else calm."""
-    agents = getattr(scenario, kind)
-    state = np.full(position.shape[:2], "calm", dtype="<U12")
-    for row in range(len(position)):
-        away = position[row, :, None] - others[row, None, :]
-        seen = np.hypot(away[..., 0], away[..., 1]) <= agents.perception
-        state[row, seen.any(axis=1)] = "alarmed"
-        for name, memory in memories[row].items():
-            if memory:
-                for label, members in registry.load(kind, name).states(memory, agents.weights).items():
-                    state[row, members] = label
-    state[np.isnan(position[..., 0])] = "calm"
-    return state
-
-
-def _groups(scenario: Scenario, kind: str, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
+def _groups(scenario: Scenario, kind: registry.Kind, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
     """Give each agent's sub-swarm in each row, -1 for none: as predators survey it, else as prey split up themselves."""
     if surveyed[0] is not None:
         return np.stack(surveyed).astype(np.int32)
-    group = np.full(position.shape[:2], -1, np.int32)
-    for name in registry.parts(kind, getattr(scenario, kind).strategy):
-        strategy = registry.load(kind, name)
-        if hasattr(strategy, "group"):
-            own = [strategy.group(number) for number in range(1, position.shape[1] + 1)]
-            group = np.where(group < 0, own, group).astype(np.int32)
-    return group
+    return np.broadcast_to(grouped(scenario, kind, position.shape[1]), position.shape[:2]).copy()

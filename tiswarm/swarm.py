@@ -1,251 +1,385 @@
 """Swarm: large swarms, one or many at once; eight agents that follow each other in cell order are the lanes of one thread."""
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from operator import index
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
-from tiswarm import rng, runtime
-from tiswarm.explain import ScenarioError
-from tiswarm.flocking import flock, see_mate
-from tiswarm.grid import CELLS, HEAD, SLOTS, Grid, Space
-from tiswarm.lanes import capped, coordinates, larger, motion, rates, smaller
+from tiswarm import carry, observe, registry, rng, runtime, seeds, spawn, stride, verdict, visit
+from tiswarm.grid import Grid, Space
 from tiswarm.layout import Layout, Structure
-from tiswarm.rng import philox
+from tiswarm.neighbours import check, reach_of
+from tiswarm.recording import FATES, Recording
+from tiswarm.recording import Swarm as Moment
 from tiswarm.runtime import LANES
 from tiswarm.scenario import Scenario
+from tiswarm.start import Start
+from tiswarm.states import grouped, named
 
 SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
 
-_kernels: dict[tuple[Any, ...], SimpleNamespace] = {}
+AT_ONCE = 262_144
+"""Agents of trials that run at once: they fill both cores, and not the memory."""
+
+ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
+
+Paths = tuple[np.ndarray, np.ndarray]
+
+_built: dict[tuple[Any, ...], SimpleNamespace] = {}
+
+
+@dataclass
+class _Crowd:
+    """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see carry.py."""
+
+    grid: Grid
+    cold: np.ndarray
+    kept: list[int]
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        return self.grid.agents, self.grid.whole, self.grid.reals
+
+    def row(self, row: int) -> np.ndarray:
+        """Give a view of a row of the agents by number: [trial, agent]."""
+        return self.cold[..., self.kept.index(row)]
 
 
 class Swarm:
-    """Trials of a scenario with any number of prey, tick by tick; positions are read when they are asked for.
+    """Trials of a scenario with any number of agents, tick by tick; positions are read when they are asked for.
 
-    ticks: moves made so far.
+    A single trial can be filmed while it runs (`render.film(Swarm(scenario), path)`).
+
+    age: moves made so far. ticks: how many it may make. counts: [trial, (alive, arrived, captured, crashed)] of the prey.
+    ended, first_arrival, last_arrival: [trial], ticks; 0 before anybody arrived.
     """
 
     def __init__(
-        self,
-        scenario: Scenario,
-        seed: int = 0,
-        trials: int = 1,
-        start: tuple[np.ndarray, np.ndarray] | None = None,
+        self, scenario: Scenario, seed: int = 0, trials: int = 1, trial: int = 0, start: Start | Paths | None = None
     ) -> None:
-        """Draw the starts of trials 0, 1, ..., the same as in a batch, or take explicit positions and velocities.
+        """Draw the starts of `trials` trials from number `trial` on, the same as in a batch, or take an explicit one.
 
-        start: [trial, agent, dim] each, m and m/s; trials and agents are then counted there.
+        start: one for all trials; or positions and velocities of prey alone, [trial, agent, dim] each, m and m/s, NaN for those
+        who are not there: trials and agents are then counted there.
 
-        Errors: ScenarioError for what needs the trials of few agents (`simulate`); ValueError for a start that is not finite.
+        Errors: ScenarioError for what needs the trials of few agents (`neighbours = "all-pairs"`); ValueError for numbers that
+        are not finite.
         """
-        _check(scenario)
-        self.scenario, self.seed, self.ticks = scenario, index(seed), 0
-        if start is None:
-            start = _drawn(scenario, self.seed, index(trials))
-        position, velocity = (np.asarray(each, np.float64) for each in start)
-        if position.ndim != 3 or position.shape != velocity.shape or position.shape[2] != scenario.world.dim:
-            raise ValueError(f"start: positions {position.shape} and velocities {velocity.shape} need [trial, agent, dim]")
-        trials, count, _ = position.shape
-        sees_across = scenario.world.boundary == "periodic" and scenario.world.wrap_sight
-        edge: Any = "periodic" if sees_across else "open" if scenario.world.boundary == "open" else "walls"
-        self.grid = Grid(Space(tuple(scenario.world.size), edge), max(scenario.prey.perception, 1e-6), count, trials)
-        layout = Layout(Structure.of([scenario], 0), runtime.types().lanes)
-        self._numbers = layout.table([scenario])[0].astype(runtime.types().dtype)
-        self._kernels = _built(layout, self.grid)
-        self.grid.place(position, velocity)
+        self.seed, self.trial, self.age = index(seed), index(trial), 0
+        if isinstance(start, tuple):
+            start = tuple(np.asarray(each, np.float64) for each in start)
+            if start[0].ndim != 3 or start[0].shape != start[1].shape or start[0].shape[2] != scenario.world.dim:
+                told = " and ".join(str(each.shape) for each in start)
+                raise ValueError(f"start: positions and velocities {told} need [trial, agent, dim]")
+            trials = start[0].shape[0]
+        elif start is not None:
+            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
+            paths = ("prey.count", "predators.count", "obstacles.count")
+            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+        check(scenario)
+        self.scenario, self.ticks = scenario, scenario.world.ticks
+        structure = Structure.of([scenario], scenario.predators.count)
+        self._layout = Layout(structure, runtime.types().lanes)
+        self._mortal = bool(structure.hunted or scenario.obstacles.count or scenario.target.present)
+        self._prepare(index(trials), start)
+
+    def _states(self, trials: int, start: Start | Paths | None) -> seeds.States:
+        """Give where everybody starts."""
+        if isinstance(start, Start):
+            return seeds.given(start, trials)
+        states = seeds.drawn(self.scenario, self._layout, self.seed, self.trial, trials)
+        return states if start is None else {**states, "prey": start}
+
+    def _prepare(self, trials: int, start: Start | Paths | None) -> None:
+        scenario, layout, types = self.scenario, self._layout, runtime.types()
+        states = self._states(trials, start)
+        self._crowds = {}
+        for kind, (position, velocity) in states.items():
+            extra = len(layout.shown(kind)) if kind != "obstacles" else 0
+            grid = Grid(_space(scenario), reach_of(scenario, kind), position.shape[1], trials, extra)
+            grid.place(position, velocity)
+            kept = carry.kept_rows(layout, kind, mortal=self._mortal) if kind != "obstacles" else []
+            cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
+            self._crowds[kind] = _Crowd(grid, cold, kept)
+        self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
+        self._kernels = _kernels(layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self._mortal)
+        row = layout.table([scenario])[0].astype(types.dtype)
+        self._numbers = runtime.aligned((len(row), LANES), types.dtype)
+        self._numbers[:] = row[:, None]
+        deepest = max(layout.agent_rows.values())
+        self._scratch = runtime.aligned((carry.CHUNKS * deepest, LANES), types.dtype)
+        prey = self._prey.grid
+        dim, pieces = scenario.world.dim, -(-prey.slots // LANES // stride.PIECE)
+        self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), LANES), types.dtype)
+        self._means = np.zeros(trials * (2 * dim + 2), types.dtype)
+        self._order = np.zeros(trials * max(prey.count, 1), np.int32)
+        self._marks = [np.zeros(crowd.grid.total, types.dtype) for crowd in (self._prey, self._predators)]
+        self._tally = np.zeros((prey.total // LANES, 4), np.int32)
+        self.counts = np.zeros((trials, 4), np.int64)
+        self.counts[:, ALIVE] = prey.alive()
+        self.ended = np.zeros(trials, bool)
+        self.ended_at, self.first_arrival, self.last_arrival = np.zeros((3, trials), np.int64)
+        alive = layout.rows.alive
+        if self._mortal:
+            for crowd in (self._prey, self._predators):
+                crowd.row(alive)[:] = 1
+                crowd.row(alive)[:, : crowd.grid.count] = np.isfinite(crowd.grid.gathered(slice(0, 1))[..., 0])
+        if self._kernels.starts:
+            at = self._prey
+            self._kernels.begin(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
+        if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
+            at = self._predators
+            self._kernels.face(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
+        self._judge(0)
+
+    @property
+    def _tools(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._scratch, self._numbers
+
+    @property
+    def grid(self) -> Grid:
+        """Give the prey's grid."""
+        return self._prey.grid
+
+    @property
+    def trials(self) -> int:
+        """Count the trials."""
+        return self._prey.grid.trials
+
+    @property
+    def nbytes(self) -> int:
+        """Count the bytes of all agents' arrays."""
+        return sum(crowd.grid.nbytes + crowd.cold.nbytes for crowd in self._crowds.values())
 
     def step(self, ticks: int = 1) -> None:
-        """Run some ticks; small swarms run them in one go, which costs much less than one by one."""
-        at = self.grid
-        arrays = (at.agents, at.whole, at.reals, self._numbers, at.total // LANES)
-        if at.total <= SMALL:
-            self._kernels.run(*arrays, ticks)
+        """Run some ticks; small swarms that meet nobody run them in one go, which costs much less than one by one."""
+        grid = self._prey.grid
+        if not self._plain:
+            for _ in range(ticks):
+                self._tick()
+            return
+        if grid.total <= SMALL:
+            self._kernels.run_plain(*self._prey.arrays, *self._tools, ticks)
         else:
             for _ in range(ticks):
-                self._kernels.move(*arrays)
-                at.sort()
-        self.ticks += ticks
+                self._kernels.move_plain(*self._prey.arrays, *self._tools)
+                grid.sort()
+        self.age += ticks
+
+    @property
+    def _plain(self) -> bool:
+        """Tell whether prey meet nobody but each other and remember nothing."""
+        verlet = self._layout.structure.frame.verlet
+        return not (self._mortal or self._prey.kept or verlet or self._kernels.averages)
+
+    def _tick(self) -> None:
+        """Let the prey move, then the predators, then judge: as trials.py does."""
+        kernels, verlet = self._kernels, self._layout.structure.frame.verlet
+        hunted = self._layout.structure.hunted
+        words = (self._prey.grid.count, self._predators.grid.count, self.age, self.trial, *rng.seed_words(self.seed))
+        if verlet:
+            self._drift("prey")
+        self._average()
+        if kernels.ranks:
+            kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
+        kernels.move_prey(*self._everything, *self._tools, self._means, *words)
+        self._prey.grid.sort()
+        if kernels.remembers:
+            self._remember()
+        if hunted:
+            if verlet:
+                self._drift("predators")
+            self._average()
+            if kernels.ranks:
+                kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
+            kernels.move_predators(*self._everything, *self._tools, self._means, *words)
+            self._predators.grid.sort()
+        self.age += 1
+        self._judge(1)
+
+    @property
+    def _everything(self) -> tuple[np.ndarray, ...]:
+        prey, predators = self._prey, self._predators
+        return (
+            *prey.arrays,
+            prey.cold.ravel(),
+            self._order,
+            *predators.arrays,
+            predators.cold.ravel(),
+            *self._obstacles.arrays,
+        )
+
+    def _drift(self, kind: str) -> None:
+        grid = self._crowds[kind].grid
+        self._kernels.drift[kind](grid.agents, grid.whole, grid.reals, self._numbers)
+        grid.sort()
+
+    def _average(self) -> None:
+        if self._kernels.averages:
+            grid = self._prey.grid
+            self._kernels.average(grid.agents, grid.whole, self._sums, self._means)
+
+    def _remember(self) -> None:
+        prey, rows = self._prey, self._layout.rows
+        seen = np.zeros(self.trials)
+        if rows.seen in prey.kept:
+            seen = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
+        seen = seen.astype(prey.cold.dtype)
+        self._kernels.remember(prey.grid.agents, prey.grid.whole, prey.cold.ravel(), *self._tools, seen, prey.grid.count)
+
+    def _judge(self, moved: int) -> None:
+        """Let agents die and arrive, and take them out of their cells."""
+        before = self.counts[:, ALIVE].copy()
+        if self._mortal:
+            prey, predators = self._prey, self._predators
+            hunters = predators.row(self._layout.rows.alive).sum()
+            self._kernels.judge(
+                *prey.arrays,
+                prey.cold.ravel(),
+                *predators.arrays,
+                predators.cold.ravel(),
+                *self._obstacles.arrays,
+                *self._tools,
+                *self._marks,
+                self._tally.ravel(),
+                prey.grid.count,
+                predators.grid.count,
+                float(moved),
+            )
+            tally = self._tally.reshape(self.trials, -1, 4).sum(axis=1)
+            self.counts[:, ALIVE] = tally[:, ALIVE]
+            self.counts[:, ARRIVED:] += tally[:, ARRIVED:]
+            arrived = tally[:, ARRIVED] > 0
+            self.first_arrival[arrived & (self.first_arrival == 0)] = self.age
+            self.last_arrival[arrived] = self.age
+            if (self.counts[:, ALIVE] != before).any():
+                self._cull("prey")
+            if predators.row(self._layout.rows.alive).sum() != hunters:
+                self._cull("predators")
+        over = (self.counts[:, ALIVE] == 0) | (self.age >= self.ticks)
+        self.ended_at[over & ~self.ended] = self.age
+        self.ended |= over
+
+    def _cull(self, kind: str) -> None:
+        crowd = self._crowds[kind]
+        self._kernels.cull[kind](*crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
+        crowd.grid.sort()
 
     def position(self, kind: str = "prey") -> np.ndarray:
         """Give where the agents are: [trial, agent, dim], m, NaN for those who are gone."""
-        return self._state(kind, 0)
+        return self._crowds[kind].grid.gathered(slice(0, self.scenario.world.dim))
 
     def velocity(self, kind: str = "prey") -> np.ndarray:
         """Give their velocity: [trial, agent, dim], m/s, NaN for those who are gone."""
-        return self._state(kind, self.scenario.world.dim)
-
-    def _state(self, kind: str, first: int) -> np.ndarray:
         dim = self.scenario.world.dim
-        if kind == "predators":
-            return np.zeros((self.grid.trials, 0, dim))
-        return self.grid.gathered(slice(first, first + dim))
+        return self._crowds[kind].grid.gathered(slice(dim, 2 * dim))
+
+    def fate(self, kind: str = "prey") -> np.ndarray:
+        """Name what became of each agent so far: [trial, agent]."""
+        crowd = self._crowds[kind]
+        if not self._mortal:
+            return np.full((self.trials, crowd.grid.count), FATES[0])
+        return np.array(FATES)[crowd.row(self._layout.rows.fate)[:, : crowd.grid.count].astype(int)]
+
+    def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
+        """Give the agents' memory: strategy -> name -> [trial, agent]."""
+        crowd = self._crowds[kind]
+        rows = {
+            p.part.name: {
+                name: crowd.row(row)[:, : crowd.grid.count] for name, row in zip(p.memory, p.memory_rows, strict=True)
+            }
+            for p in self._layout.parts(kind, "strategy")
+        }
+        return {name: memory for name, memory in rows.items() if memory}
+
+    @property
+    def obstacle_position(self) -> np.ndarray:
+        """Give the centres of the first trial's obstacles: [obstacle, dim], m."""
+        here = self.position("obstacles")[0]
+        return here[np.isfinite(here[:, 0])]
+
+    @property
+    def obstacle_radius(self) -> np.ndarray:
+        """Give their radii: [obstacle], m."""
+        radii = self.velocity("obstacles")[0, :, 0]
+        return radii[np.isfinite(radii)]
+
+    def moment(self, kind: registry.Kind) -> Moment:
+        """Give the agents of the first trial as they are now, as one tick of a recording: arrays [agent, ...]."""
+        other = "predators" if kind == "prey" else "prey"
+        position = self.position(kind)[0]
+        memories = {name: {key: rows[0] for key, rows in each.items()} for name, each in self.memory(kind).items()}
+        state = named(self.scenario, kind, position, self.position(other)[0], memories)
+        return Moment(position, self.velocity(kind)[0], self.fate(kind)[0], state, grouped(self.scenario, kind, len(position)))
+
+    def record(self) -> Recording:
+        """Run the first trial to its end and keep its path."""
+        paths = [
+            Moment(
+                np.stack([each.position for each in own]),
+                np.stack([each.velocity for each in own]),
+                own[-1].fate,
+                np.stack([each.state for each in own]),
+                np.stack([each.group for each in own]),
+            )
+            for own in zip(*self, strict=True)
+        ]
+        return Recording(self.scenario, self.seed, self.trial, *paths, self.obstacle_position, self.obstacle_radius)
+
+    def __iter__(self) -> Iterator[tuple[Moment, Moment]]:
+        """Run the first trial to its end: give prey and predators now, then after each tick."""
+        yield self.moment("prey"), self.moment("predators")
+        while not self.ended[0]:
+            self.step()
+            yield self.moment("prey"), self.moment("predators")
 
 
-def _check(scenario: Scenario) -> None:
-    """Refuse what large swarms cannot do yet."""
-    prey, world = scenario.prey, scenario.world
-    wanted = {
-        "prey.strategy": (prey.strategy, "baseline"),
-        "predators.count": (scenario.predators.count, 0),
-        "obstacles.count": (scenario.obstacles.count, 0),
-        "prey.spawn.shape": (prey.spawn.shape, "box"),
-        "prey.drive": (prey.drive, "point"),
-        "prey.min_speed": (prey.min_speed, 0.0),
-        "world.scheme": (world.scheme, "euler"),
-        "target.present": (scenario.target.present, False),
-    }
-    if world.contact == "bounce":
-        wanted["world.contact"] = (world.contact, "none")
-    for path, (value, possible) in wanted.items():
-        if value != possible:
-            raise ScenarioError(f"{path}: a large swarm cannot have {value!r} yet; use {possible!r}")
+def _space(scenario: Scenario) -> Space:
+    world = scenario.world
+    edge: Any = world.boundary
+    return Space(tuple(world.size), edge)
 
 
-def _built(layout: Layout, of: Grid) -> SimpleNamespace:
-    """Give the kernel for a structure and a kind of grid, built once per runtime."""
-    key = (runtime.generation(), layout.structure, id(of.funcs))
-    if key not in _kernels:
-        _kernels[key] = _build(layout, of.funcs, runtime.types())
-    return _kernels[key]
+def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
+    """Give the kernels for a structure and kinds of grids, built once per runtime."""
+    near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
+    key = (runtime.generation(), layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
+    if key not in _built:
+        types = runtime.types()
+        see = observe.build(layout, types)
+        senses = visit.build(layout, types, see, near)
+        uniform = spawn.build(layout, types).uniform
+        kernels = stride.build(layout, types, see, senses, near, uniform, mortal)
+        kernels.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
+            "observe" in p.own for p in layout.parts("predators", "strategy")
+        )
+        strategies = layout.parts("prey", "strategy")
+        kernels.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
+        if mortal:
+            judging = verdict.build(layout, types, see, senses, near)
+            kernels.judge, kernels.cull = judging.judge, judging.cull
+        _built[key] = kernels
+    return _built[key]
 
 
-def _build(layout: Layout, near: SimpleNamespace, types: SimpleNamespace) -> SimpleNamespace:
-    lanes, real = types.lanes, types.real
-    at, frame = layout.at, layout.structure.frame
-    dim = frame.dim
-    axes, moves = "xyz"[:dim], [f"v{axis}" for axis in "xyz"[:dim]]
-    Me = ti.types.struct(**dict.fromkeys([*axes, *moves], lanes))  # noqa: N806 - a type
-    Mate = ti.types.struct(**dict.fromkeys(moves, real))  # noqa: N806
-    pushes = [f"push_{axis}" for axis in axes]
-    Mates = ti.types.struct(**dict.fromkeys(["n", *axes, *moves, *pushes, "perception2", "spacing2"], lanes))  # noqa: N806
+def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> dict[str, np.ndarray]:
+    """Run trials 0, 1, ... through a grid to their ends: name of an outcome (trials.OUTCOMES) -> [trial].
 
-    @ti.func
-    def meet(mates: ti.template(), here, agents: ti.template(), j, reals: ti.template()):
-        away = [near.across(here[k] - agents[j][k], k, reals) for k in ti.static(range(dim))]
-        mate = Mate(*[agents[j][dim + k] for k in ti.static(range(dim))])
-        see_mate(mates, mate, away, 1.0, mates.perception2, mates.spacing2)
-
-    around = near.walks(meet).around
-
-    @ti.func
-    def flocked(
-        me: ti.template(), agents: ti.template(), whole: ti.template(), reals: ti.template(), numbers: ti.template(), block, end
-    ):
-        """Give what the mates in sight add to the velocity."""
-        perception = numbers[at.prey.perception]
-        spacing = smaller(numbers[at.prey.spacing], perception)
-        mates = Mates(*[lanes(0.0) for _ in ti.static(range(1 + 3 * dim))], perception * perception, spacing * spacing)
-        around(mates, ti.static(coordinates(me)), agents, whole, reals, block * LANES // whole[SLOTS], block, end)
-        mates.n += -1.0  # everybody meets itself, at no distance
-        for k in ti.static(range(dim)):
-            motion(mates)[k] += -1.0 * motion(me)[k]
-        return flock(me, mates, numbers[at.prey.cohesion], numbers[at.prey.separation], numbers[at.prey.alignment])
-
-    @ti.func
-    def inside(to: ti.template(), rate: ti.template(), numbers: ti.template()):
-        """Keep a place inside the world's edges."""
-        for k in ti.static(range(dim)):
-            size = numbers[at.size[k]]
-            if ti.static(frame.boundary == "periodic"):
-                to[k] = to[k] - size * ti.floor(to[k] / size)
-                to[k] = ti.select(to[k] >= size, 0.0, to[k])  # rounding may lift a tiny negative number to the size itself
-            if ti.static(frame.boundary == "walls"):
-                low = smaller(numbers[at.prey.radius], 0.5 * size)
-                within = larger(smaller(to[k], size - low), low)
-                rate[k] = ti.select((to[k] < within) & (rate[k] < 0.0) | (to[k] > within) & (rate[k] > 0.0), 0.0, rate[k])
-                to[k] = within
-
-    @ti.func
-    def move_block(agents: ti.template(), whole: ti.template(), reals: ti.template(), numbers: ti.template(), block, total):
-        """V += flocking; cap; p += v dt. Reads the agents in cell order; writes the moved ones behind them."""
-        trial = block * LANES // whole[SLOTS]
-        end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
-        first = block * LANES
-        state = [lanes([agents[first + lane][k] for lane in ti.static(range(LANES))]) for k in ti.static(range(2 * dim))]
-        me = Me(*ti.static(state))
-        pull = flocked(me, agents, whole, reals, numbers, block, end)
-        course = [rate + part for rate, part in ti.static(zip(rates(me), pull, strict=True))]
-        if ti.static(frame.boundary == "walls"):
-            for k in ti.static(range(dim)):
-                margin = numbers[at.margin]
-                course[k] += ti.select(state[k] < margin, numbers[at.turn_factor], 0.0)
-                course[k] += ti.select(state[k] > numbers[at.size[k]] - margin, -1.0 * numbers[at.turn_factor], 0.0)
-        rate = capped(course, numbers[at.prey.max_speed])
-        to = [state[k] + numbers[at.dt] * rate[k] for k in ti.static(range(dim))]
-        inside(to, rate, numbers)
-        for lane in ti.static(range(LANES)):
-            slot = block * LANES + lane
-            there = [to[k][lane] for k in ti.static(range(dim))]
-            then = [rate[k][lane] for k in ti.static(range(dim))]
-            place = whole[CELLS] - 1
-            if slot < end:
-                place = near.place_of(there, whole, reals)
-            whole[HEAD + slot] = trial * whole[CELLS] + place
-            whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
-            agents[total + slot] = near.record(there + then + [real(0.0)] * (near.width - 2 * dim))
-
-    number_array = ti.types.ndarray(dtype=real, ndim=1)
-
-    @ti.kernel
-    def move(agents: near.agent_array, whole: near.whole_array, reals: near.real_array, numbers: number_array, blocks: ti.i32):
-        for block in range(blocks):
-            move_block(agents, whole, reals, numbers, block, blocks * LANES)
-
-    @ti.kernel
-    def run(
-        agents: near.agent_array,
-        whole: near.whole_array,
-        reals: near.real_array,
-        numbers: number_array,
-        blocks: ti.i32,
-        ticks: ti.i32,
-    ):
-        """Run many ticks on one thread."""
-        ti.loop_config(serialize=True)
-        for _ in range(ticks):
-            for block in range(blocks):
-                move_block(agents, whole, reals, numbers, block, blocks * LANES)
-            near.arrange(agents, whole)
-
-    return SimpleNamespace(move=move, run=run)
-
-
-def _drawn(scenario: Scenario, seed: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
-    """Draw the starts of trials 0, 1, ...: positions and velocities, [trial, agent, dim]."""
-    spawn, dim, count = scenario.prey.spawn, scenario.world.dim, scenario.prey.count
-    shares = np.zeros((trials * count, 8), np.uint32)
-    _draw_kernel()(shares, count, *rng.seed_words(seed))
-    share = (shares >> 8).reshape(trials, count, 8) / (1 << 24)
-    places, motions = ([0, 1], [2, 3]) if dim == 2 else ([0, 1, 2], [4, 5, 6])
-    return tuple(
-        np.asarray(box.low) + share[..., columns] * (np.asarray(box.high) - np.asarray(box.low))
-        for box, columns in ((spawn.region, places), (spawn.velocity, motions))
-    )
-
-
-def _draw_kernel() -> Any:
-    key = (runtime.generation(), "draw")
-    if key not in _kernels:
-
-        @ti.kernel
-        def draw(shares: ti.types.ndarray(dtype=ti.u32, ndim=2), count: ti.i32, key_low: ti.u32, key_high: ti.u32):
-            """Draw eight words for each agent, two attempts of spawn.py's."""
-            for agent in range(shares.shape[0]):
-                for attempt in ti.static(range(2)):
-                    a, b, c, d = philox(
-                        ti.cast(agent % count, ti.u32),
-                        ti.cast(agent // count, ti.u32),
-                        ti.u32(rng.PREY),
-                        ti.u32(attempt),
-                        key_low,
-                        key_high,
-                    )
-                    for k in ti.static(range(4)):
-                        shares[agent, 4 * attempt + k] = ti.static([a, b, c, d])[k]
-
-        _kernels[key] = draw
-    return _kernels[key]
+    report: called with the number of trials done.
+    """
+    at_once = max(AT_ONCE // max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count, 1), 1)
+    found: list[dict[str, np.ndarray]] = []
+    for first in range(0, trials, at_once):
+        swarm = Swarm(scenario, seed, min(at_once, trials - first), first)
+        while not swarm.ended.all():
+            swarm.step()
+        names = ("alive", "arrived", "captured", "crashed")
+        counted = {name: swarm.counts[:, k] for k, name in enumerate(names)}
+        times = {"ticks": swarm.ended_at, "first_arrival": swarm.first_arrival, "last_arrival": swarm.last_arrival}
+        found.append(counted | times)
+        report(first + swarm.trials)
+    return {name: np.concatenate([each[name] for each in found]).astype(np.int32) for name in found[0]}

@@ -1,6 +1,7 @@
 """Obstacle avoidances: one file each; the file's name is the name in presets."""
 
 from dataclasses import dataclass
+from math import inf
 
 import taichi as ti
 
@@ -28,6 +29,11 @@ class Avoidance:
     def derived(weights):
         """Compute more numbers from the weights (a dict of name -> [trial]), on the host, once per trial."""
         return {}
+
+    @staticmethod
+    def sight(weights):
+        """Give how far from an obstacle's edge any hook may heed it [m]: large swarms visit no obstacle beyond."""
+        return inf
 
     @staticmethod
     @ti.func

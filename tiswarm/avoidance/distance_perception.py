@@ -35,6 +35,10 @@ class Strategy(Avoidance):
         resume_gain: float = 0.0  # speed gained by a deflection, per distance to the target [1/s]
 
     @staticmethod
+    def sight(weights):
+        return weights["look"] + weights["buffer"]
+
+    @staticmethod
     @ti.func
     def look(notes: ti.template(), me, course, away, obstacle, weights):
         ahead = unit(course)

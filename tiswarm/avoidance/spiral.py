@@ -19,6 +19,10 @@ class Strategy(Avoidance):
         reach: float = 3.0  # distance from the obstacle's edge at which the field ends [m]
 
     @staticmethod
+    def sight(weights):
+        return weights["reach"]
+
+    @staticmethod
     @ti.func
     def reach(weights):
         return weights.reach

@@ -25,6 +25,10 @@ class Strategy(Avoidance):
         return {"cosine": np.cos(np.pi * weights["turn"]), "sine": np.sin(np.pi * weights["turn"])}
 
     @staticmethod
+    def sight(weights):
+        return weights["lookahead"]
+
+    @staticmethod
     @ti.func
     def blocks(me, course, away, obstacle, weights):
         """|tan(angle to the centre)| <= (my radius + its radius)/distance, without the divisions.

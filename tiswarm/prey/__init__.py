@@ -1,6 +1,7 @@
 """Prey strategies: one file each; the file's name is the name in presets."""
 
 from dataclasses import dataclass
+from math import inf
 
 import taichi as ti
 
@@ -19,6 +20,7 @@ class Prey:
     shown: those of them that mates see of each other, as numbers of `me` and `mate`.
     flocks: whether the scenario's separation, cohesion and alignment act as in flocking.py; else the strategy sees to it.
     watches: whether `threat` is needed (it costs a loop over the predators).
+    leads: whether `observe` needs agents 1 and 2.
     dice: whether `kick` needs two random numbers a tick.
     """
 
@@ -30,6 +32,7 @@ class Prey:
     notes: tuple[str, ...] = ()
     flocks: bool = True
     watches: bool = False
+    leads: bool = False
     dice: bool = False
 
     @dataclass(frozen=True)
@@ -40,6 +43,11 @@ class Prey:
     def derived(weights):
         """Compute more numbers from the weights (a dict of name -> [trial]), on the host, once per trial."""
         return {}
+
+    @staticmethod
+    def sight(weights, perception):
+        """Give how far `observe` and `beware` look [m]: large swarms visit nobody beyond, and inf compares all pairs."""
+        return inf, inf
 
     @staticmethod
     def states(memory, weights):
@@ -67,7 +75,7 @@ class Prey:
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         """Add to the notes what one other mate tells, at any distance, gone ones (mate.alive = 0) too.
 
-        away: the way from it to me; first, second: agents 1 and 2.
+        away: the way from it to me, which alone tells how near it is; first, second: agents 1 and 2, if the strategy `leads`.
         """
 
     @staticmethod

@@ -28,6 +28,10 @@ class Strategy(Prey):
         separation_form: Literal["isotropic", "componentwise"] = "isotropic"
 
     @staticmethod
+    def sight(weights, perception):
+        return perception, 0.0
+
+    @staticmethod
     @ti.func
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         distance2 = dot(away, away)

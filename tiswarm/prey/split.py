@@ -14,6 +14,7 @@ class Strategy(Prey):
     m is the mean position of the other sub-swarm as its reference agent (2 for odd agents, 1 for even ones) sees it.
     """
 
+    leads = True
     notes = ("n", "x", "y")
 
     @dataclass(frozen=True)
@@ -23,6 +24,10 @@ class Strategy(Prey):
         part: float = 200.0  # strength of the push [1/s]
         part_ticks: float = 30.0  # last tick in which it acts, counted from 0
         part_range: float = 50.0  # how far away the other sub-swarm is felt [m]
+
+    @staticmethod
+    def sight(weights, perception):
+        return weights["part_range"], 0.0
 
     @staticmethod
     def group(number):

@@ -33,6 +33,10 @@ class Strategy(Prey):
         urgency: Literal["normalised", "power"] = "normalised"
 
     @staticmethod
+    def sight(weights, perception):
+        return perception, weights["fear_range"]
+
+    @staticmethod
     @ti.func
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         distance2 = dot(away, away)

@@ -27,6 +27,10 @@ class Strategy(Prey):
         separation_power: Literal[1, 2] = 1  # 2: nearness counts
 
     @staticmethod
+    def sight(weights, perception):
+        return perception, 0.0
+
+    @staticmethod
     @ti.func
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         distance2 = safe(dot(away, away))

@@ -1,0 +1,296 @@
+"""Stride: the kernels of a tick of large swarms: how all agents of a kind move, and means over whole swarms.
+
+A crowd (visit.py) has cold rows by number as well: see carry.py. Means are sums over fixed pieces of the slots, added up in
+their order, so that no bit depends on threads.
+"""
+
+from types import SimpleNamespace
+from typing import Any
+
+import taichi as ti
+
+from tiswarm import carry, drive
+from tiswarm.carry import LOOP, share_of
+from tiswarm.grid import CELLS, HEAD, SLOTS, TRIALS
+from tiswarm.lanes import Together, motion, place
+from tiswarm.layout import Layout
+from tiswarm.runtime import LANES, TASK
+
+PIECE = 128
+"""Blocks whose sums are added up first: the order of summation does not depend on threads."""
+
+
+def build(
+    layout: Layout,
+    types: SimpleNamespace,
+    see: SimpleNamespace,
+    senses: SimpleNamespace,
+    near: SimpleNamespace,
+    uniform: Any,
+    mortal: bool,
+) -> SimpleNamespace:
+    """Build the kernels move_prey, move_predators, drift, begin, remember, average, order, and `plain` ones for prey alone."""
+    lanes, integers, real = types.lanes, types.integer_lanes, types.real
+    dim, frame = len(layout.axes), layout.structure.frame
+    driven = drive.build(layout, types, see, senses, uniform)
+    steps = driven.steps
+    carried = {kind: carry.build(layout, types, see, senses, kind, mortal) for kind in ("prey", "predators")}
+    saved = {kind: carried[kind].saves(getattr(near, kind)) for kind in carried}
+    high = {kind: layout.agent_rows[kind] for kind in carried}
+    flat = types.lane_array(1)
+    cold_array = ti.types.ndarray(dtype=real, ndim=1)
+    whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
+
+    @ti.func
+    def end_of(crowd: ti.template(), alive_end: ti.template(), block):
+        """Give the slot behind the last agent of a block, its first slot where there is none."""
+        trial = block * LANES // crowd.whole[SLOTS]
+        return ti.max(ti.min((block + 1) * LANES, alive_end(crowd.whole, trial)), block * LANES)
+
+    @ti.func
+    def swarm_at(means: ti.template(), trial, age):
+        told = [lanes(means[trial * (2 * dim + 2) + k]) for k in ti.static(range(2 * dim + 1))]
+        return see.Swarm(*told, lanes(age))
+
+    @ti.func
+    def draw_of(trial, first_trial, index, tick, key_low, key_high):
+        own = integers(ti.cast(trial + first_trial, ti.u32))
+        return Together(key_low=key_low, key_high=key_high, trial=own, index=index, tick=integers(ti.cast(tick, ti.u32)))
+
+    def moves(kind: str):
+        ferry, save, alive_end = carried[kind], saved[kind], getattr(near, kind).alive_end
+        drive_one, step_of = getattr(driven, kind), getattr(steps, kind)
+
+        @ti.func
+        def move_block(
+            crowds: ti.template(), scratch: ti.template(), a, numbers: ti.template(), means: ti.template(), block, count,
+            prey_count, tick, first_trial, key_low, key_high,
+        ):  # fmt: skip
+            """Move a block of agents; slots without one are written, too, for the sort."""
+            crowd = crowds.of(kind)
+            trial = block * LANES // crowd.whole[SLOTS]
+            end = end_of(crowd, alive_end, block)
+            if end > block * LANES:
+                me, index = ferry.load(scratch, a, crowd, numbers, count, block, end)
+                here = Together(
+                    prey=crowds.prey, predators=crowds.predators, obstacles=crowds.obstacles, numbers=numbers,
+                    trial=trial, block=block, end=end, count=prey_count,
+                )  # fmt: skip
+                draw = draw_of(trial, first_trial, index, tick, key_low, key_high)
+                target = see.target_of(numbers, 0)
+                swarm = swarm_at(means, trial, ti.cast(tick, real))
+                drive_one(here, draw, scratch, a, me, numbers, 0, swarm, target)
+                step_of.commit(scratch, a, numbers, 0)
+                ferry.save_rows(scratch, a, crowd, count, block, end)
+            save(scratch, a, crowd, block, end)
+
+        return move_block
+
+    move_prey_block = moves("prey")
+    move_predator_block = moves("predators") if layout.structure.hunted else None
+
+    def kernel_of(kind: str, move_block: Any):
+        column = 0 if kind == "prey" else 1
+
+        @ti.kernel
+        def move(
+            prey_agents: near.prey.agent_array, prey_whole: whole_array, prey_reals: near.prey.real_array,
+            prey_cold: cold_array, prey_order: whole_array,
+            predator_agents: near.predators.agent_array, predator_whole: whole_array, predator_reals: near.predators.real_array,
+            predator_cold: cold_array,
+            obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
+            scratch: flat, numbers: flat, means: cold_array,
+            prey_count: ti.i32, predator_count: ti.i32, tick: ti.i32, first_trial: ti.i32, key_low: ti.u32, key_high: ti.u32,
+        ):  # fmt: skip
+            for index in range(LOOP):
+                if index % TASK == 0:
+                    chunk = index // TASK
+                    prey = Together(agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, order=prey_order)
+                    predators = Together(agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold)
+                    obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
+                    crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
+                    crowd = ti.static(prey_whole if kind == "prey" else predator_whole)
+                    count = ti.Vector([prey_count, predator_count])[column]
+                    begin, end = share_of(chunk, crowd[SLOTS] * crowd[TRIALS] // LANES)
+                    for block in range(begin, end):
+                        move_block(
+                            crowds, scratch, chunk * high[kind], numbers, means, block, count, prey_count, tick, first_trial,
+                            key_low, key_high,
+                        )  # fmt: skip
+
+        return move
+
+    @ti.func
+    def plain_block(prey: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, block):
+        """Move a block of prey that meet nobody but each other."""
+        crowds = Together(prey=prey, predators=0, obstacles=0)
+        a = chunk * high["prey"]
+        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, 0, 0, ti.u32(0), ti.u32(0))
+
+    @ti.kernel
+    def move_plain(
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, scratch: flat, numbers: flat
+    ):
+        for index in range(LOOP):
+            if index % TASK == 0:
+                prey = Together(agents=agents, whole=whole, reals=reals)
+                begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                for block in range(begin, end):
+                    plain_block(prey, scratch, numbers, index // TASK, block)
+
+    @ti.kernel
+    def run_plain(
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, scratch: flat, numbers: flat,
+        ticks: ti.i32,
+    ):  # fmt: skip
+        """Run many ticks on one thread."""
+        ti.loop_config(serialize=True)
+        for _ in range(ticks):
+            prey = Together(agents=agents, whole=whole, reals=reals)
+            for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
+                plain_block(prey, scratch, numbers, 0, block)
+            near.prey.arrange(agents, whole)
+
+    @ti.kernel
+    def begin(agents: near.prey.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, count: ti.i32):
+        """Give the prey's memory its first values, and headings to unicycles."""
+        for index in range(LOOP):
+            if index % TASK == 0:
+                prey = Together(agents=agents, whole=whole, cold=cold)
+                a = index // TASK * high["prey"]
+                first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                for block in range(first, last):
+                    end = end_of(prey, near.prey.alive_end, block)
+                    if end > block * LANES:
+                        me, _ = carried["prey"].load(scratch, a, prey, numbers, count, block, end)
+                        fresh = lanes(1.0) > 0.5
+                        driven.begin(scratch, a, me, numbers, 0, fresh)
+                        if ti.static("prey" in frame.unicycles):
+                            steps.prey.face(scratch, a, fresh)
+                        carried["prey"].save_rows(scratch, a, prey, count, block, end)
+                        carried["prey"].save_shown(scratch, a, prey, block, end)
+
+    @ti.kernel
+    def face(
+        agents: near.predators.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, count: ti.i32
+    ):
+        """Let predators that are unicycles head where they move."""
+        for _ in range(1):
+            predators = Together(agents=agents, whole=whole, cold=cold)
+            for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
+                end = end_of(predators, near.predators.alive_end, block)
+                if end > block * LANES:
+                    carried["predators"].load(scratch, 0, predators, numbers, count, block, end)
+                    steps.predators.face(scratch, 0, lanes(1.0) > 0.5)
+                    carried["predators"].save_rows(scratch, 0, predators, count, block, end)
+
+    @ti.kernel
+    def remember(
+        agents: near.prey.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, seen: cold_array,
+        count: ti.i32,
+    ):  # fmt: skip
+        """Let strategies update the prey's memory. seen: [trial], how many predators all prey together saw in the last move."""
+        for index in range(LOOP):
+            if index % TASK == 0:
+                prey = Together(agents=agents, whole=whole, cold=cold)
+                a = index // TASK * high["prey"]
+                first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                for block in range(first, last):
+                    end = end_of(prey, near.prey.alive_end, block)
+                    if end > block * LANES:
+                        me, _ = carried["prey"].load(scratch, a, prey, numbers, count, block, end)
+                        driven.remember(scratch, a, me, numbers, 0, lanes(seen[block * LANES // whole[SLOTS]]))
+                        carried["prey"].save_rows(scratch, a, prey, count, block, end)
+                        carried["prey"].save_shown(scratch, a, prey, block, end)
+
+    def drifts(kind: str):
+        funcs, columns = getattr(near, kind), getattr(layout.at, kind)
+
+        @ti.kernel
+        def drift(agents: funcs.agent_array, whole: whole_array, reals: funcs.real_array, numbers: flat):
+            """Half a step with the old velocity (Verlet), to where the sort expects moved agents."""
+            total = whole[SLOTS] * whole[TRIALS]
+            for slot in range(total):
+                trial = slot // whole[SLOTS]
+                half = 0.5 * numbers[layout.at.dt][0]
+                moved = agents[slot]
+                for k in ti.static(range(dim)):
+                    moved[k] += half * moved[dim + k]
+                    if ti.static(frame.boundary == "periodic"):
+                        size = numbers[layout.at.size[k]][0]
+                        moved[k] = moved[k] - size * ti.floor(moved[k] / size)
+                        moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
+                    if ti.static(frame.boundary == "walls"):
+                        moved[k] = ti.max(ti.min(moved[k], numbers[layout.at.size[k]][0]), -numbers[columns.radius][0])
+                place = whole[CELLS] - 1
+                if slot < funcs.alive_end(whole, trial):
+                    place = funcs.place_of(moved, whole, reals)
+                whole[HEAD + slot] = trial * whole[CELLS] + place
+                whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
+                agents[total + slot] = moved
+
+        return drift
+
+    @ti.kernel
+    def average(agents: near.prey.agent_array, whole: whole_array, sums: flat, means: cold_array):
+        """Write number, mean position and mean velocity of each trial's prey. sums: rows of lanes, some for each piece."""
+        blocks = whole[SLOTS] // LANES
+        pieces = (blocks + PIECE - 1) // PIECE
+        for index in range(pieces * whole[TRIALS] * TASK):
+            if index % TASK == 0:
+                piece = index // TASK
+                trial = piece // pieces
+                end = near.prey.alive_end(whole, trial)
+                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 2))])
+                first = trial * blocks + piece % pieces * PIECE
+                for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
+                    here = lanes(
+                        [ti.select(block * LANES + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))]
+                    )
+                    own.n += here
+                    for k in ti.static(range(dim)):
+                        place(own)[k] += here * lanes([agents[block * LANES + lane][k] for lane in ti.static(range(LANES))])
+                        motion(own)[k] += here * lanes(
+                            [agents[block * LANES + lane][dim + k] for lane in ti.static(range(LANES))]
+                        )
+                row = piece * (2 * dim + 1)
+                sums[row] = own.n
+                for k in ti.static(range(dim)):
+                    sums[row + 1 + k] = place(own)[k]
+                    sums[row + 1 + dim + k] = motion(own)[k]
+        for trial in range(whole[TRIALS]):
+            at = trial * (2 * dim + 2)
+            for k in ti.static(range(2 * dim + 1)):
+                total = lanes(0.0)
+                for piece in range(trial * pieces, (trial + 1) * pieces):
+                    total += sums[piece * (2 * dim + 1) + k]
+                means[at + k] = total.sum()
+            share = 1.0 / ti.max(means[at], 1.0)
+            for k in ti.static(range(2 * dim)):
+                means[at + 1 + k] = share * means[at + 1 + k]
+
+    @ti.kernel
+    def rank(whole: whole_array, order: whole_array, count: ti.i32):
+        """Write which slot the agent of each number is in, -1 for those who are gone."""
+        for at in range(whole[TRIALS] * count):
+            order[at] = -1
+        for slot in range(whole[SLOTS] * whole[TRIALS]):
+            trial = slot // whole[SLOTS]
+            if slot < near.prey.alive_end(whole, trial):
+                order[trial * count + carried["prey"].number_in(whole, slot)] = slot
+
+    return SimpleNamespace(
+        move_prey=kernel_of("prey", move_prey_block),
+        move_predators=kernel_of("predators", move_predator_block) if layout.structure.hunted else None,
+        move_plain=move_plain,
+        run_plain=run_plain,
+        begin=begin,
+        face=face,
+        remember=remember,
+        drift={kind: drifts(kind) for kind in carried},
+        average=average,
+        rank=rank,
+        starts=driven.starts or "prey" in frame.unicycles,
+        remembers=driven.remembers,
+        wide={kind: carried[kind].wide for kind in carried},
+    )
