@@ -21,6 +21,7 @@ _HOMES = {
     "Estimate": "results",
     "compare": "results",
     "Recording": "recording",
+    "Swarm": "swarm",
 }
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Start",
+    "Swarm",
     "__version__",
     "add_path",
     "compare",
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from tiswarm.scenario import Scenario
     from tiswarm.single import record
     from tiswarm.start import Start
+    from tiswarm.swarm import Swarm
 
 
 def __getattr__(name: str) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tiswarm import carry, observe, registry, rng, runtime, seeds, spawn, stride, verdict, visit
-from tiswarm.grid import Grid, Space
+from tiswarm.grid import Boundary, Grid, Space
 from tiswarm.layout import Layout, Structure
 from tiswarm.neighbours import check, reach_of
 from tiswarm.recording import FATES, Recording
@@ -100,7 +100,7 @@ class Swarm:
         self._crowds = {}
         for kind, (position, velocity) in states.items():
             extra = len(layout.shown(kind)) if kind != "obstacles" else 0
-            grid = Grid(_space(scenario), reach_of(scenario, kind), position.shape[1], trials, extra)
+            grid = Grid(space_of(scenario, kind), reach_of(scenario, kind), position.shape[1], trials, extra)
             grid.place(position, velocity)
             kept = carry.kept_rows(layout, kind, mortal=self._mortal) if kind != "obstacles" else []
             cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
@@ -169,6 +169,7 @@ class Swarm:
                 self._kernels.move_plain(*self._prey.arrays, *self._tools)
                 grid.sort()
         self.age += ticks
+        self._judge(1)
 
     @property
     def _plain(self) -> bool:
@@ -338,10 +339,11 @@ class Swarm:
             yield self.moment("prey"), self.moment("predators")
 
 
-def _space(scenario: Scenario) -> Space:
+def space_of(scenario: Scenario, kind: str) -> Space:
+    """Give the space of a kind's grid. In open worlds prey may fly anywhere; of the few others those outside are in edge cells."""
     world = scenario.world
-    edge: Any = world.boundary
-    return Space(tuple(world.size), edge)
+    boundary: Boundary = world.boundary
+    return Space(tuple(world.size), "walls" if boundary == "open" and kind != "prey" else boundary)
 
 
 def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:

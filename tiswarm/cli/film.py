@@ -103,9 +103,38 @@ def film(
         look["field"] = _field(subject)
     _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
     if poster is not None:
-        render.poster(subject, poster, size=pixels, **look)
+        render.poster(_again(subject), poster, size=pixels, time=_middle(subject), **look)
     if sheet is not None:
-        render.sheet(subject, sheet, **look)
+        render.sheet(_again(subject), sheet, **look)
+
+
+def _played(scenario: Any, trial: int, seed: int) -> Any:
+    """Give a trial to film: a recording, or a large swarm that runs while it is filmed."""
+    import tiswarm
+    from tiswarm.neighbours import by_grid
+
+    if by_grid(scenario):
+        return tiswarm.Swarm(scenario, seed, trial=trial)
+    return tiswarm.record(scenario, trial, seed)
+
+
+def _again(subject: Any) -> Any:
+    """Start simulations anew, which a film has used up."""
+    if isinstance(subject, list):
+        return [_again(each) for each in subject]
+    return _played(subject.scenario, subject.trial, subject.seed) if _is_live(subject) else subject
+
+
+def _is_live(subject: Any) -> bool:
+    import tiswarm
+
+    return isinstance(subject, tiswarm.Swarm)
+
+
+def _middle(subject: Any) -> float | None:
+    """Give the time of a live simulation's poster; a recording knows its liveliest moment."""
+    subjects = subject if isinstance(subject, list) else [subject]
+    return max(each.ticks for each in subjects) / 2 if any(_is_live(each) for each in subjects) else None
 
 
 def _field(subject: Any) -> Any:
@@ -113,8 +142,8 @@ def _field(subject: Any) -> Any:
     import render
     from tiswarm.single import field
 
-    if isinstance(subject, list):
-        raise WrongInput("--overlay field: each trial has obstacles of its own; film one trial")
+    if isinstance(subject, list) or _is_live(subject):
+        raise WrongInput("--overlay field: needs one recorded trial; film one, of few agents")
     return render.Field(*field(subject))
 
 
@@ -167,14 +196,14 @@ def _subject(
         if len(strategies) < 2:
             raise WrongInput(f"--versus {versus}: name two prey strategies or more, for example --versus evasive,split-evasive")
         scenarios = [load_scenario(source, [*(sets or []), f"prey.strategy={name}"]) for name in strategies]
-        return [tiswarm.record(scenario, trial, seed) for scenario in scenarios], f"{plain}-{trial}-versus"
+        return [_played(scenario, trial, seed) for scenario in scenarios], f"{plain}-{trial}-versus"
     scenario = load_scenario(source, sets)
     if grid:
         columns, rows = pair(grid, "--grid", "4x4")
         if not 1 <= columns * rows <= 100:
             raise WrongInput(f"--grid {grid}: film 1 to 100 trials at once")
-        return [tiswarm.record(scenario, trial + k, seed) for k in range(columns * rows)], f"{plain}-{trial}-grid"
-    return tiswarm.record(scenario, trial, seed), f"{plain}-{trial}"
+        return [_played(scenario, trial + k, seed) for k in range(columns * rows)], f"{plain}-{trial}-grid"
+    return _played(scenario, trial, seed), f"{plain}-{trial}"
 
 
 def demo(
@@ -197,8 +226,8 @@ def demo(
     start(seed or 0, threads, precision)
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
-    recording = tiswarm.record(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(recording, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet, theme=theme)
+    subject = _played(scenario, chosen.trial, chosen.seed if seed is None else seed)
+    _film(subject, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet, theme=theme)
 
 
 def _film(subject: Any, path: Path, size: tuple[int, int], fps: int | None, quiet: bool, **look: Any) -> None:
