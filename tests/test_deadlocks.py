@@ -13,7 +13,7 @@ from tiswarm.recording import Recording, Swarm
 from tiswarm.scenario import Scenario, ScenarioError
 from tiswarm.studies import run_study
 
-MEASURES = ("trapped", "trapped-time", "trapped-turn")
+MEASURES = ("trapped", "trapped-time", "trapped-milling")
 WINDOW, WITHIN, PATH = 40, 4.0, 20.0  # the defaults
 TICKS = np.arange(121)
 
@@ -62,21 +62,22 @@ class TestByHand:
     def test_who_walks_along_a_wall_is_not(self):
         assert _time(np.stack([np.minimum(TICKS * 0.6, 99), np.full(121, 0.5)], axis=1))[-1] == 0
 
-    def test_who_jumps_to_and_fro_is_and_turns_no_way_more_than_the_other(self):
-        corner = np.array([[0, 0], [1, 0], [1, 1], [1, 0]])  # left, left, right: reversing counts as a half turn to the left
-        found = deadlocks(_recording((corner[TICKS % 4])[:, None]))
-        assert found.time[-1, 0] == 120
-        zigzag = np.stack([np.where(TICKS % 40 < 20, TICKS % 20, 20 - TICKS % 20) * 0.15, TICKS % 2], axis=1)
-        found = deadlocks(_recording(zigzag[:, None]))
-        assert found.time[-1, 0] == 120
-        assert abs(found.turn[-1, 0]) < 0.1 * found.turned[-1, 0]
+    def test_who_hops_to_and_fro_is_and_does_not_circle(self):
+        swung = 0.01 * TICKS  # rad: each hop turns its course by a little less than half a circle, always to one side
+        hop = np.stack([np.cos(swung), np.sin(swung)], axis=1) * (-1.0) ** TICKS[:, None]
+        trial = _recording(hop[:, None])
+        assert deadlocks(trial).time[-1, 0] == 120
+        assert metrics.measured(trial, "trapped-milling") == pytest.approx(0, abs=0.02)
 
     @pytest.mark.parametrize("sense", [1, -1])
     def test_circling_has_its_sense(self, sense):
-        trial = _recording((_circle(1.5) * [1, sense])[:, None])
-        assert metrics.measured(trial, "trapped-turn") == pytest.approx(sense)
-        found = deadlocks(trial)
-        assert found.turn[-1, 0] == pytest.approx(sense * 119 / 1.5)  # a turn between each two of 120 steps
+        ticks = np.arange(2000)
+        smooth = _recording((_circle(1.9, 0.6, ticks) * [1, sense])[:, None])
+        assert metrics.measured(smooth, "trapped-milling") == pytest.approx(sense * np.cos(0.6 / 1.9 / 2), abs=0.01)
+        for corners, share in ((6, np.sqrt(0.75)), (4, np.sqrt(0.5)), (3, 0.5)):
+            hops = _circle(1.0, 2 * np.pi / corners, ticks)
+            trial = _recording((hops * [1, sense])[:, None])
+            assert metrics.measured(trial, "trapped-milling") == pytest.approx(sense * share, abs=0.01)
 
     def test_who_comes_circles_and_goes_was_trapped_as_long_as_it_circled(self):
         come = np.stack([np.arange(-30, 0), np.zeros(30)], axis=1)
@@ -100,7 +101,7 @@ class TestByHand:
         assert metrics.measured(trial, "trapped") == 0.25
         assert metrics.measured(trial, "trapped-time") == 0.25 * 120 * 0.5
         nobody = _recording(straight[:, None])
-        assert np.isnan(metrics.measured(nobody, "trapped-turn"))
+        assert np.isnan(metrics.measured(nobody, "trapped-milling"))
 
     def test_a_rotated_and_shifted_path_is_as_trapped(self):
         walk = np.random.default_rng(4).normal(size=(400, 3, 2)).cumsum(axis=0) * 0.4
@@ -108,7 +109,7 @@ class TestByHand:
         one, other = (deadlocks(_recording(path)) for path in (walk, walk @ turn.T + [30, -7]))
         assert (one.time[-1] > 0).any()
         np.testing.assert_array_equal(one.time, other.time)
-        np.testing.assert_allclose(one.turn, other.turn, atol=1e-9)
+        np.testing.assert_allclose(one.spin, other.spin, atol=1e-9)
 
     def test_a_circle_across_a_periodic_edge_is_one(self):
         path = (_circle(1.5) - [50, 0]) % [100, 50]
@@ -123,10 +124,10 @@ class TestByHand:
         own |= {"prey.spawn": {"region": [[0, 0, 0], [1, 1, 1]], "velocity": [[0, 0, 0], [1, 1, 1]]}}
         deep = replace(_recording(position, **own))
         with pytest.raises(ValueError, match="flat world"):
-            metrics.measured(deep, "trapped-turn")
+            metrics.measured(deep, "trapped-milling")
         assert metrics.measured(deep, "trapped") >= 0
-        with pytest.raises(ScenarioError, match="'trapped-turn' needs a flat world"):
-            tiswarm.load("lookout/aquarium", {"measures.names": ["trapped-turn"]})
+        with pytest.raises(ScenarioError, match="'trapped-milling' needs a flat world"):
+            tiswarm.load("lookout/aquarium", {"measures.names": ["trapped-milling"]})
 
 
 def _agree(scenario: Scenario, trials: int) -> np.ndarray:

@@ -16,8 +16,8 @@ from tiswarm.scenario import Measure, Scenario
 GROUND = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
 ALL = get_args(Measure)
 BODIES = tuple(name for name in ALL if name not in GROUND)
-DEEP = tuple(name for name in BODIES if name != "trapped-turn")
-TRAPS = ("trapped", "trapped-time", "trapped-turn")
+DEEP = tuple(name for name in BODIES if name != "trapped-milling")
+TRAPS = ("trapped", "trapped-time", "trapped-milling")
 
 
 def _recording(position, velocity=None, obstacles=(), **overrides) -> Recording:

@@ -137,8 +137,8 @@ def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleN
 
     def trap() -> SimpleNamespace:
         """See traps.py."""
-        vectors = {name: vector() for name in ("anchor", "last", "step")}
-        names = ("held", "path", "counted", "time", "turn", "turned", "turn_sum", "turned_sum")
+        vectors = {name: vector() for name in ("anchor", "last", "total")}
+        names = ("held", "path", "counted", "time", "spin", "most", "spin_sum", "most_sum")
         return SimpleNamespace(**vectors, **{name: next(row) for name in names})
 
     return SimpleNamespace(

@@ -148,16 +148,16 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
 
     @ti.func
     def measure_traps(sums: ti.template(), prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
-        """Share of the prey that were ever trapped, for how long, and how far they turned one way meanwhile."""
-        caught, time, turn, turned = watch(prey, numbers, clock, b, count, unseen)
+        """Share of the prey that were ever trapped, for how long, and how far they circled meanwhile."""
+        caught, time, spin, most = watch(prey, numbers, clock, b, count, unseen)
         n = b * width
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "trapped"):
                 keep(sums, b, k, unseen, caught / numbers[n + at.prey.count])
             if ti.static(names[k] == "trapped-time"):
                 keep(sums, b, k, unseen, time * numbers[n + at.dt] / numbers[n + at.prey.count])
-            if ti.static(names[k] == "trapped-turn"):
-                keep(sums, b, k, unseen & (turned > 0.0), turn / safe(turned))
+            if ti.static(names[k] == "trapped-milling"):
+                keep(sums, b, k, unseen & (most > 0.0), spin / safe(most))
 
     @ti.func
     def first_cell(low):

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from tiswarm.deadlocks import trapped, trapped_time, trapped_turn
+from tiswarm.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.recording import Recording
 from tiswarm.registry import nearest as nearest_name
 from tiswarm.scenario import Measure
@@ -190,7 +190,7 @@ LAST: dict[str, Callable[[Recording], np.ndarray]] = {
     "visit-variation": visit_variation,
     "trapped": trapped,
     "trapped-time": trapped_time,
-    "trapped-turn": trapped_turn,
+    "trapped-milling": trapped_milling,
 }
 """Measures that a trial has as they stand when it ends."""
 

@@ -34,7 +34,7 @@ Avoidance = Annotated[str, _one_of("avoidance")]
 Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
 Measure = Literal[
     "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
-    "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-turn",
+    "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-milling",
 ]  # fmt: skip
 
 

@@ -4,24 +4,24 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.lanes import dot, heading, larger, place
+from tiswarm.lanes import dot, place
 from tiswarm.layout import AGE, Layout
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
     """Build `watch`.
 
-    Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; step, how it came here [m];
-    held, the window's age [ticks]; path, how far it went in it [m]; counted, how much of `held` is in `time`; time, how long
-    it has been trapped [ticks]; turn and turned, how far its course turned anticlockwise, and in all, since `counted` [rad];
-    turn_sum and turned_sum, the same while it was trapped.
+    Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; total, the sum of its ways
+    from the anchor [m]; held, the window's age [ticks]; path, how far it went in it [m]; counted, how much of `held` is in
+    `time`; time, how long it has been trapped [ticks]; spin and most, how far it circled, and could have, since `counted` [m²];
+    spin_sum and most_sum, the same while it was trapped.
     """
     lanes = types.lanes
     at, dim = layout.at.trap, len(layout.axes)
     rows, prey_rows = layout.rows.trap, layout.agent_rows["prey"]
     prey_mate = see.mate_at["prey"]
     width = len(layout.paths)
-    turns = "trapped-turn" in layout.structure.frame.measures
+    milling = "trapped-milling" in layout.structure.frame.measures
     Place = ti.types.struct(**dict.fromkeys("xyz"[:dim], lanes))  # noqa: N806 - a type
 
     @ti.func
@@ -34,18 +34,21 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
         anew = starts | (here & (dot(way, way) > within * within))
         step = see.gap(me, last, numbers, b)
         held = prey[a + rows.held] + ti.select(here, 1.0, 0.0)
-        path = prey[a + rows.path] + ti.select(here, ti.sqrt(dot(step, step)), 0.0)
-        if ti.static(turns):
-            before = [prey[a + row] for row in ti.static(rows.step)]
-            angle = heading(before[0] * step[1] - before[1] * step[0], dot(before, step))
-            angle = ti.select(here & (held > 1.5), angle, 0.0)
-            prey[a + rows.turn] = ti.select(anew, 0.0, prey[a + rows.turn] + angle)
-            prey[a + rows.turned] = ti.select(anew, 0.0, prey[a + rows.turned] + larger(angle, 0.0 - angle))
+        length = ti.sqrt(dot(step, step))
+        path = prey[a + rows.path] + ti.select(here, length, 0.0)
+        if ti.static(milling):
+            total = [prey[a + rows.total[k]] + ti.select(here, way[k], 0.0) for k in ti.static(range(dim))]
+            arm = [way[k] - total[k] / (held + 1.0) for k in ti.static(range(dim))]
+            spin = ti.select(here, arm[0] * step[1] - arm[1] * step[0], 0.0)
+            most = ti.select(here, ti.sqrt(dot(arm, arm)) * length, 0.0)
+            prey[a + rows.spin] = ti.select(anew, 0.0, prey[a + rows.spin] + spin)
+            prey[a + rows.most] = ti.select(anew, 0.0, prey[a + rows.most] + most)
+            for k in ti.static(range(dim)):
+                prey[a + rows.total[k]] = ti.select(anew, 0.0, total[k])
         prey[a + rows.held] = ti.select(anew, 0.0, held)
         prey[a + rows.path] = ti.select(anew, 0.0, path)
         prey[a + rows.counted] = ti.select(anew, 0.0, prey[a + rows.counted])
         for k in ti.static(range(dim)):
-            prey[a + rows.step[k]] = ti.select(here, step[k], prey[a + rows.step[k]])
             prey[a + rows.anchor[k]] = ti.select(anew, place(me)[k], prey[a + rows.anchor[k]])
             prey[a + rows.last[k]] = ti.select(here, place(me)[k], prey[a + rows.last[k]])
 
@@ -59,18 +62,18 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
         time = ti.select(starts, 0.0, prey[a + rows.time])
         prey[a + rows.time] = time + ti.select(stuck, held - prey[a + rows.counted], 0.0)
         prey[a + rows.counted] = ti.select(stuck, held, prey[a + rows.counted])
-        if ti.static(turns):
-            turn = ti.select(starts, 0.0, prey[a + rows.turn_sum])
-            turned = ti.select(starts, 0.0, prey[a + rows.turned_sum])
-            prey[a + rows.turn_sum] = turn + ti.select(stuck, prey[a + rows.turn], 0.0)
-            prey[a + rows.turned_sum] = turned + ti.select(stuck, prey[a + rows.turned], 0.0)
-            prey[a + rows.turn] = ti.select(stuck, 0.0, prey[a + rows.turn])
-            prey[a + rows.turned] = ti.select(stuck, 0.0, prey[a + rows.turned])
+        if ti.static(milling):
+            spin = ti.select(starts, 0.0, prey[a + rows.spin_sum])
+            most = ti.select(starts, 0.0, prey[a + rows.most_sum])
+            prey[a + rows.spin_sum] = spin + ti.select(stuck, prey[a + rows.spin], 0.0)
+            prey[a + rows.most_sum] = most + ti.select(stuck, prey[a + rows.most], 0.0)
+            prey[a + rows.spin] = ti.select(stuck, 0.0, prey[a + rows.spin])
+            prey[a + rows.most] = ti.select(stuck, 0.0, prey[a + rows.most])
 
     @ti.func
     def watch(prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
-        """Follow all prey; give how many have ever been trapped, for how long together [ticks], and both sums of turns."""
-        caught, time, turn, turned = lanes(0.0), lanes(0.0), lanes(0.0), lanes(0.0)
+        """Follow all prey; give how many were ever trapped, for how long together [ticks], and their spin and most [m²]."""
+        caught, time, spin, most = lanes(0.0), lanes(0.0), lanes(0.0), lanes(0.0)
         starts = unseen & (clock[b, AGE] < 0.5)
         for i in range(count):
             a = (b * count + i) * prey_rows
@@ -80,9 +83,9 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
             count_in(prey, a, numbers, b, starts, here)
             caught += ti.select(prey[a + rows.time] > 0.5, 1.0, 0.0)
             time += prey[a + rows.time]
-            if ti.static(turns):
-                turn += prey[a + rows.turn_sum]
-                turned += prey[a + rows.turned_sum]
-        return caught, time, turn, turned
+            if ti.static(milling):
+                spin += prey[a + rows.spin_sum]
+                most += prey[a + rows.most_sum]
+        return caught, time, spin, most
 
     return watch
