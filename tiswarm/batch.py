@@ -232,7 +232,7 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
             raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
         if not np.isfinite(array).all() or np.abs(array).max() > LIMIT:
             raise ScenarioError(f"weights: {path} holds a number that is not finite, or beyond {LIMIT:g}")
-        whole = path.endswith(".count") or path in ("world.ticks", "measures.after")
+        whole = path.endswith(".count") or path in ("world.ticks", "measures.after", "measures.window")
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array

@@ -79,6 +79,8 @@ def _check_measures(scenario: Any) -> None:
     swept = [name for name in scenario.measures.names if name in SWEPT]
     if swept and not scenario.coverage.cell:
         raise ScenarioError(f"measures.names: '{swept[0]}' needs a grid; set coverage.cell")
+    if "trapped-milling" in scenario.measures.names and scenario.world.dim != 2:
+        raise ScenarioError("measures.names: 'trapped-milling' needs a flat world, where one circles left or right; drop it")
     if scenario.coverage.cell:
         if scenario.world.dim != 2:
             raise ScenarioError("coverage.cell: only a flat world has ground to sweep; set it to 0")
@@ -91,3 +93,6 @@ def _check_measures(scenario: Any) -> None:
 
 SWEPT = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
 """Measures of the coverage grid."""
+
+TRAPS = ("trapped", "trapped-time", "trapped-milling")
+"""Measures of who moves without getting anywhere."""

@@ -10,6 +10,7 @@ import taichi as ti
 
 from tiswarm import registry
 from tiswarm.explain import ScenarioError
+from tiswarm.fit import TRAPS
 from tiswarm.scenario import Scenario
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -127,12 +128,18 @@ def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
     return registry.parts(where, getattr(getattr(scenario, kind), role))
 
 
-def _agent_rows(dim: int, unicycles: bool, grouped: bool) -> SimpleNamespace:
+def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
     def vector() -> list[int]:
         return [next(row) for _ in range(dim)]
+
+    def trap() -> SimpleNamespace:
+        """See traps.py."""
+        vectors = {name: vector() for name in ("anchor", "last", "total")}
+        names = ("held", "path", "counted", "time", "spin", "most", "spin_sum", "most_sum")
+        return SimpleNamespace(**vectors, **{name: next(row) for name in names})
 
     return SimpleNamespace(
         place=vector(),
@@ -145,7 +152,8 @@ def _agent_rows(dim: int, unicycles: bool, grouped: bool) -> SimpleNamespace:
         next_place=vector(),
         next_motion=vector(),
         heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
-        label=next(row) if grouped else -1,
+        label=next(row) if "groups" in measures else -1,
+        trap=trap() if set(TRAPS) & set(measures) else None,
         count=next(row),
     )
 
@@ -164,7 +172,7 @@ class Layout:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), "groups" in frame.measures)
+        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures)
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),
@@ -189,6 +197,8 @@ class Layout:
             columns = {name: self._column(f"{kind}.{name}") for name in names}
             spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
             setattr(self.at, kind, SimpleNamespace(**columns, **spawn))
+        if self.rows.trap:
+            self.at.trap = SimpleNamespace(**{name: self._column(f"measures.{name}") for name in ("window", "within", "path")})
         self._parts: list[SimpleNamespace] = []
         self.agent_rows = {"prey": self.rows.count, "predators": self.rows.count}
         self.board = SimpleNamespace(fixed=0, each=0)

@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import taichi as ti
 
+from tiswarm import traps
+from tiswarm.fit import TRAPS
 from tiswarm.lanes import anywhere, dot, larger, logarithm, motion, place, safe, smaller, unit
 from tiswarm.layout import AGE, DONE, MEASURED, ON, Layout
 from tiswarm.runtime import LANES
@@ -30,6 +32,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
     cells = across * down
     prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
     pair_names = {"nearest", "potential"} & set(names)
+    trapping = bool(set(TRAPS) & set(names))
+    watch = traps.build(layout, types, see) if trapping else None
 
     @ti.func
     def add(sums: ti.template(), b, k: ti.template(), counted, value):
@@ -143,6 +147,19 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         add(sums, b, ti.static(names.index("groups")), counted & (alive > 0.5), groups)
 
     @ti.func
+    def measure_traps(sums: ti.template(), prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
+        """Share of the prey that were ever trapped, for how long, and how far they circled meanwhile."""
+        caught, time, spin, most = watch(prey, numbers, clock, b, count, unseen)
+        n = b * width
+        for k in ti.static(range(len(names))):
+            if ti.static(names[k] == "trapped"):
+                keep(sums, b, k, unseen, caught / numbers[n + at.prey.count])
+            if ti.static(names[k] == "trapped-time"):
+                keep(sums, b, k, unseen, time * numbers[n + at.dt] / numbers[n + at.prey.count])
+            if ti.static(names[k] == "trapped-milling"):
+                keep(sums, b, k, unseen & (most > 0.0), spin / safe(most))
+
+    @ti.func
     def first_cell(low):
         return ti.max(ti.cast(ti.ceil(low), ti.i32), 0)
 
@@ -248,6 +265,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
                         measure_pairs(sums, prey, numbers, b, counts[0], counted)
                     if ti.static("groups" in names):
                         measure_groups(sums, prey, numbers, b, counts[0], counted)
+                if ti.static(trapping):
+                    measure_traps(sums, prey, numbers, clock, b, counts[0], unseen)
                 if ti.static(cells > 0):
                     sweep(sums, ground, prey, numbers, b, counts[0], unseen)
                     measure_ground(sums, numbers, clock, b, unseen)

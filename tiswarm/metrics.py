@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from tiswarm.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.recording import Recording
 from tiswarm.registry import nearest as nearest_name
 from tiswarm.scenario import Measure
@@ -63,7 +64,7 @@ def potential(recording: Recording) -> np.ndarray:
     for tick, _, places in _states(recording):
         energy[tick] = 0.0
         for first in range(0, len(places), ROWS):
-            away = _shortest(places[first : first + ROWS, None] - places, recording)
+            away = recording.shortest(places[first : first + ROWS, None] - places)
             pairs = np.triu(np.ones(away.shape[:2], bool), first + 1)  # each pair once
             ratio = np.maximum(np.minimum((away**2).sum(axis=-1)[pairs], reach2), TINY) / spacing2
             energy[tick] += prey.spacing**2 * (1 / ratio + np.log(ratio)).sum()
@@ -110,7 +111,7 @@ def hits(recording: Recording) -> np.ndarray:
     position, touched = recording.prey.position, np.zeros(recording.prey.alive.shape, bool)
     for centre, radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
         size = recording.scenario.prey.radius + radius
-        touched[1:] |= (_shortest(position[1:] - centre, recording) ** 2).sum(axis=-1) < size**2
+        touched[1:] |= (recording.shortest(position[1:] - centre) ** 2).sum(axis=-1) < size**2
     return np.logical_or.accumulate(touched).sum(axis=1).astype(np.float64)
 
 
@@ -187,6 +188,9 @@ LAST: dict[str, Callable[[Recording], np.ndarray]] = {
     "hits": hits,
     "coverage": coverage,
     "visit-variation": visit_variation,
+    "trapped": trapped,
+    "trapped-time": trapped_time,
+    "trapped-milling": trapped_milling,
 }
 """Measures that a trial has as they stand when it ends."""
 
@@ -231,14 +235,6 @@ def _states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndar
     for tick, here in enumerate(recording.prey.alive):
         if here.sum() >= least:
             yield tick, here, recording.prey.position[tick, here]
-
-
-def _shortest(way: np.ndarray, recording: Recording) -> np.ndarray:
-    """Take the shortest image of ways [..., dim] in a periodic world."""
-    if recording.scenario.world.boundary != "periodic":
-        return way
-    size = np.array(recording.scenario.world.size)
-    return way - size * np.floor(way / size + 0.5)
 
 
 def _tree(places: np.ndarray, recording: Recording) -> KDTree:

@@ -66,6 +66,13 @@ class Recording:
         """Count the dimensions of the world."""
         return self.prey.position.shape[2]
 
+    def shortest(self, way: np.ndarray) -> np.ndarray:
+        """Take the shortest image of ways [..., dim] where the world is periodic."""
+        if self.scenario.world.boundary != "periodic":
+            return way
+        size = np.array(self.scenario.world.size)
+        return way - size * np.floor(way / size + 0.5)
+
     def save(self, path: str | os.PathLike) -> Path:
         """Write the recording as a compressed .npz; the file appears whole or not at all."""
         arrays = {

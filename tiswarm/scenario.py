@@ -34,7 +34,7 @@ Avoidance = Annotated[str, _one_of("avoidance")]
 Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
 Measure = Literal[
     "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
-    "time-to-50", "time-to-90", "time-to-95", "time-to-99",
+    "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-milling",
 ]  # fmt: skip
 
 
@@ -244,11 +244,15 @@ class Coverage(Part):
 
 
 class Measures(Part):
-    """What is measured while a trial runs, beyond who arrived: see `metrics.py`."""
+    """What is measured while a trial runs, beyond who arrived: see `metrics.py`, and `deadlocks.py` for who is trapped."""
 
     names: tuple[Measure, ...] = ()
     after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least
     distance: Positive = 1.0  # agents nearer than this are of one group [m]
+    # Trapped is who for `window` ticks stays `within` a distance of where it was [m] on a way of `path` metres or more.
+    window: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 40
+    within: Positive = 4.0
+    path: Positive = 20.0
 
 
 class Showcase(Part):
