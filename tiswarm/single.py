@@ -51,6 +51,8 @@ class Single:
 
     def step(self, ticks: int = 1) -> None:
         """Run so many ticks, fewer when the trial ends before."""
+        if self.ended:  # the kernel would take the lane for a free one
+            return
         if not self._live:
             self._advance(ticks)
             return
