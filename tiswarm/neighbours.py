@@ -1,11 +1,16 @@
 """Neighbours: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
 
+from math import prod
+
 from tiswarm import registry
 from tiswarm.explain import ScenarioError
 from tiswarm.scenario import Scenario
 
 CROSSOVER = 400
-"""From so many prey on a grid is faster than comparing all pairs (tests/benchmarks/crossover.py)."""
+"""With so many prey out of each other's reach a grid is faster than comparing all pairs (tests/benchmarks/crossover.py)."""
+
+ALWAYS = 1600
+"""With so many prey it is faster even where everybody is in reach: its lanes are one trial's agents."""
 
 MOST_PAIRED = 10_000
 """Comparing all pairs of more agents than this takes longer than anybody waits."""
@@ -21,12 +26,19 @@ def by_grid(scenario: Scenario) -> bool:
         check(scenario)
         return True
     most = max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count)
-    if chosen == "auto" and scenario.prey.count >= CROSSOVER and (most > MOST_PAIRED or not _refused(scenario)):
+    if chosen == "auto" and (most > MOST_PAIRED or (_pays(scenario) and not _refused(scenario))):
         check(scenario)
         return True
     if most > MOST_PAIRED:
         raise ScenarioError(f"world.neighbours: all pairs of {most:,} agents are too many to compare; set it to 'grid'")
     return False
+
+
+def _pays(scenario: Scenario) -> bool:
+    """Tell whether a grid is faster than comparing all pairs."""
+    reach = reach_of(scenario, "prey")
+    share = prod(min(1.0, 3 * reach / side) for side in scenario.world.size)  # of the world, in the cells that are visited
+    return scenario.prey.count >= ALWAYS or scenario.prey.count * (1 - share) >= CROSSOVER
 
 
 def check(scenario: Scenario) -> None:

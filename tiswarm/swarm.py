@@ -340,7 +340,7 @@ class Swarm:
 
 
 def space_of(scenario: Scenario, kind: str) -> Space:
-    """Give the space of a kind's grid. In open worlds prey may fly anywhere; of the few others those outside are in edge cells."""
+    """Give the space of a kind's grid. In open worlds prey fly anywhere; of the few others, those outside are in edge cells."""
     world = scenario.world
     boundary: Boundary = world.boundary
     return Space(tuple(world.size), "walls" if boundary == "open" and kind != "prey" else boundary)
