@@ -8,7 +8,8 @@ import taichi as ti
 
 import tiswarm
 from tiswarm import runtime
-from tiswarm.grid import SLOTS, Grid, Space, plan
+from tiswarm.cells import SLOTS, Space, plan
+from tiswarm.grid import Grid
 from tiswarm.runtime import LANES
 
 REACH = 1.0
