@@ -8,7 +8,8 @@ import taichi as ti
 
 import tiswarm
 from tiswarm import runtime
-from tiswarm.grid import SLOTS, Grid, Space, plan
+from tiswarm.cells import HEAD, SLOTS, TABLE, Space, plan
+from tiswarm.grid import Grid
 from tiswarm.runtime import LANES
 
 REACH = 1.0
@@ -136,6 +137,67 @@ def test_worlds_narrower_than_the_reach(size, boundary, f32):
     check(Space(size, boundary), rng.random((2, 300, len(size))) * size)
 
 
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_neighbours_in_double_precision(boundary, f64):
+    rng = np.random.default_rng(12)
+    for dimensions, size in SIZES.items():
+        for _, position in arrangements(dimensions, 300, rng):
+            check(Space(size, boundary), position[None])
+    check(Space((2.3, 40.0), boundary), rng.random((2, 300, 2)) * (2.3, 40.0))
+    gone = rng.random((2, 300)) < 0.4
+    check(Space((10.0, 10.0), boundary), rng.random((2, 300, 2)) * 10, gone=gone)
+    if boundary == "open":
+        check(Space((10.0, 10.0), boundary), rng.random((1, 300, 2)) * 8 - 3e8)
+
+
+def placed(space, position):
+    """Let a kernel put agents whose new positions it has in lanes; give the grid."""
+    count, dimensions = position.shape
+    grid = Grid(space, REACH, count)
+    grid.place(np.zeros((1, count, dimensions)), np.zeros((1, count, dimensions)))
+    f, lanes = grid.funcs, runtime.types().lanes
+
+    @ti.kernel
+    def move(
+        agents: f.agent_array,
+        whole: f.whole_array,
+        rows: f.row_array,
+        reals: f.real_array,
+        to: ti.types.ndarray(dtype=runtime.types().real, ndim=2),
+        blocks: ti.i32,
+    ):
+        for block in range(blocks):
+            told = [
+                lanes([to[whole[HEAD + whole[SLOTS] + block * LANES + k], axis] for k in ti.static(range(LANES))])
+                for axis in ti.static(range(dimensions))
+            ]
+            f.put(agents, whole, rows, reals, told, block, f.alive_end(whole, 0))
+
+    to = np.zeros((grid.total, dimensions), runtime.types().dtype)
+    to[:count] = position
+    move(grid.agents, grid.whole, grid.rows, grid.reals, to, grid.total // LANES)
+    grid.sort()
+    return grid
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_moved_agents_lie_where_placed_ones_do(dimensions, boundary, f32):
+    rng = np.random.default_rng(13)
+    position = rng.random((301, dimensions)) * SIZES[dimensions]
+    if boundary != "periodic":
+        position[::7] = rng.normal(0, 100, position[::7].shape)
+        position[3], position[5] = 1e12, -1e12  # beyond the cells that whole numbers can name
+    space = Space(SIZES[dimensions], boundary)
+    put = placed(space, position)
+    other = Grid(space, REACH, 301)
+    other.place(position[None], position[None] * 0)
+    table = slice(-int(put.whole[TABLE]), None)
+    assert np.array_equal(put.whole[table], other.whole[table])
+    assert np.array_equal(np.sort(put.numbers), np.sort(other.numbers))
+    assert np.array_equal(put.gathered(slice(0, dimensions)), other.gathered(slice(0, dimensions)))
+
+
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 @pytest.mark.parametrize("count", [0, 1, 2, 9, 10_000])
@@ -233,3 +295,14 @@ def test_memory_stays_small(f32):
             cut = plan(Space(size, boundary), REACH, 1_000_000, 1e-7)
             width = 4 if len(size) == 2 else 8
             assert 2 * 4 * width + 12 + 2 * 4 * cut.cells / 1e6 <= 120
+
+
+def test_prepared_launches_outlive_a_restart():
+    position = np.random.default_rng(14).random((1, 300, 2)) * 10
+    tiswarm.init("f32", 1)
+    grid = Grid(Space((10.0, 10.0), "periodic"), REACH, 300)
+    grid.place(position, position * 0)
+    sorted_once = grid.agents[:300].copy()
+    tiswarm.init("f32", 2)
+    grid.sort()
+    assert np.array_equal(grid.agents[:300], sorted_once)

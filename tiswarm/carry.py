@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import taichi as ti
 
-from tiswarm.grid import CELLS, HEAD, SLOTS, TRIALS
+from tiswarm.cells import HEAD, SLOTS, TRIALS
 from tiswarm.layout import Layout
 from tiswarm.runtime import LANES, TASK
 
@@ -83,23 +83,11 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: 
                     crowd.agents[block * LANES + lane][2 * dim + k] = scratch[a + shown[k]][lane]
 
     def saves(near: SimpleNamespace):
-        rest = near.width - len(told_rows)
-
         @ti.func
         def save_moved(scratch: ti.template(), a, crowd: ti.template(), block, end):
             """Write a block's moved agents behind those in cell order, with their places in the table."""
-            whole = ti.static(crowd.whole)
-            total = whole[SLOTS] * whole[TRIALS]
-            trial = block * LANES // whole[SLOTS]
-            for lane in ti.static(range(LANES)):
-                slot = block * LANES + lane
-                told = [scratch[a + row][lane] for row in ti.static(told_rows)]
-                place = whole[CELLS] - 1
-                if slot < end:
-                    place = near.place_of(told, whole, crowd.reals)
-                whole[HEAD + slot] = trial * whole[CELLS] + place
-                whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
-                crowd.agents[total + slot] = near.record(told + [real(0.0)] * rest)
+            told = [scratch[a + row] for row in ti.static(told_rows)]
+            near.put(crowd.agents, crowd.whole, crowd.rows, crowd.reals, told, block, end)
 
         return save_moved
 

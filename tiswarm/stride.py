@@ -11,7 +11,7 @@ import taichi as ti
 
 from tiswarm import carry, drive
 from tiswarm.carry import LOOP, share_of
-from tiswarm.grid import CELLS, HEAD, SLOTS, TRIALS
+from tiswarm.cells import CELLS, HEAD, SLOTS, TRIALS
 from tiswarm.lanes import Together, motion, place
 from tiswarm.layout import Layout
 from tiswarm.runtime import LANES, TASK
@@ -97,7 +97,7 @@ def build(
             prey_agents: near.prey.agent_array, prey_whole: whole_array, prey_reals: near.prey.real_array,
             prey_cold: cold_array, prey_order: whole_array,
             predator_agents: near.predators.agent_array, predator_whole: whole_array, predator_reals: near.predators.real_array,
-            predator_cold: cold_array,
+            predator_cold: cold_array, moving_rows: near.prey.row_array,
             obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
             scratch: flat, numbers: flat, means: cold_array,
             prey_count: ti.i32, predator_count: ti.i32, tick: ti.i32, first_trial: ti.i32, key_low: ti.u32, key_high: ti.u32,
@@ -105,8 +105,14 @@ def build(
             for index in range(LOOP):
                 if index % TASK == 0:
                     chunk = index // TASK
-                    prey = Together(agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, order=prey_order)
-                    predators = Together(agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold)
+                    prey = Together(
+                        agents=prey_agents, whole=prey_whole, rows=moving_rows, reals=prey_reals, cold=prey_cold,
+                        order=prey_order,
+                    )  # fmt: skip
+                    predators = Together(
+                        agents=predator_agents, whole=predator_whole, rows=moving_rows, reals=predator_reals,
+                        cold=predator_cold,
+                    )  # fmt: skip
                     obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
                     crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
                     crowd = ti.static(prey_whole if kind == "prey" else predator_whole)
@@ -129,24 +135,25 @@ def build(
 
     @ti.kernel
     def move_plain(
-        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, scratch: flat, numbers: flat
-    ):
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
+        scratch: flat, numbers: flat,
+    ):  # fmt: skip
         for index in range(LOOP):
             if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, reals=reals)
+                prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
                 begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(begin, end):
                     plain_block(prey, scratch, numbers, index // TASK, block)
 
     @ti.kernel
     def run_plain(
-        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, scratch: flat, numbers: flat,
-        ticks: ti.i32,
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
+        scratch: flat, numbers: flat, ticks: ti.i32,
     ):  # fmt: skip
         """Run many ticks on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(ticks):
-            prey = Together(agents=agents, whole=whole, reals=reals)
+            prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
             for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
                 plain_block(prey, scratch, numbers, 0, block)
             near.prey.arrange(agents, whole)

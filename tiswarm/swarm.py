@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from tiswarm import carry, observe, registry, rng, runtime, seeds, spawn, stride, verdict, visit
-from tiswarm.grid import Boundary, Grid, Space
+from tiswarm.cells import Boundary, Space
+from tiswarm.grid import Grid
+from tiswarm.launch import prepared
 from tiswarm.layout import Layout, Structure
 from tiswarm.neighbours import check, reach_of
 from tiswarm.recording import FATES, Recording
@@ -134,6 +136,7 @@ class Swarm:
         if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
             at = self._predators
             self._kernels.face(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
+        self._move: Any = None  # made ready by the first step that needs it
         self._judge(0)
 
     @property
@@ -163,10 +166,12 @@ class Swarm:
                 self._tick()
             return
         if grid.total <= SMALL:
-            self._kernels.run_plain(*self._prey.arrays, *self._tools, ticks)
+            self._kernels.run_plain(*self._prey.arrays, grid.rows, *self._tools, ticks)
         else:
+            if self._move is None:
+                self._move = prepared(self._kernels.move_plain, *self._prey.arrays, grid.rows, *self._tools)
             for _ in range(ticks):
-                self._kernels.move_plain(*self._prey.arrays, *self._tools)
+                self._move()
                 grid.sort()
         self.age += ticks
         self._judge(1)
@@ -187,7 +192,7 @@ class Swarm:
         self._average()
         if kernels.ranks:
             kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
-        kernels.move_prey(*self._everything, *self._tools, self._means, *words)
+        kernels.move_prey(*self._everything("prey"), *self._tools, self._means, *words)
         self._prey.grid.sort()
         if kernels.remembers:
             self._remember()
@@ -197,13 +202,12 @@ class Swarm:
             self._average()
             if kernels.ranks:
                 kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
-            kernels.move_predators(*self._everything, *self._tools, self._means, *words)
+            kernels.move_predators(*self._everything("predators"), *self._tools, self._means, *words)
             self._predators.grid.sort()
         self.age += 1
         self._judge(1)
 
-    @property
-    def _everything(self) -> tuple[np.ndarray, ...]:
+    def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
         prey, predators = self._prey, self._predators
         return (
             *prey.arrays,
@@ -211,6 +215,7 @@ class Swarm:
             self._order,
             *predators.arrays,
             predators.cold.ravel(),
+            self._crowds[moving].grid.rows,
             *self._obstacles.arrays,
         )
 

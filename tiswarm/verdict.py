@@ -6,7 +6,7 @@ import taichi as ti
 
 from tiswarm import carry
 from tiswarm.carry import LOOP, share_of
-from tiswarm.grid import CELLS, HEAD, SLOTS, TRIALS
+from tiswarm.cells import CELLS, HEAD, SLOTS, TRIALS
 from tiswarm.lanes import Together, anywhere, dot, larger, place, safe
 from tiswarm.lanes import near as within
 from tiswarm.layout import ARRIVED, CAPTURED, CRASHED, Layout

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import taichi as ti
 
 from tiswarm import sense
+from tiswarm.cells import HEAD, REACH_X, SLOTS, TRIALS
 from tiswarm.flocking import see_mate
-from tiswarm.grid import HEAD, REACH_X, SLOTS, TRIALS
 from tiswarm.lanes import Together, coordinates, place
 from tiswarm.layout import Layout
 from tiswarm.runtime import LANES
