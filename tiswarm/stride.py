@@ -16,6 +16,9 @@ from tiswarm.lanes import Together, motion, place
 from tiswarm.layout import Layout
 from tiswarm.runtime import LANES, TASK
 
+# What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
+AGE, FIRST, KEY_LOW, KEY_HIGH, MOVED, CLOCK = range(6)
+
 PIECE = 128
 """Blocks whose sums are added up first: the order of summation does not depend on threads."""
 
@@ -53,9 +56,11 @@ def build(
         return see.Swarm(*told, lanes(age))
 
     @ti.func
-    def draw_of(trial, first_trial, index, tick, key_low, key_high):
-        own = integers(ti.cast(trial + first_trial, ti.u32))
-        return Together(key_low=key_low, key_high=key_high, trial=own, index=index, tick=integers(ti.cast(tick, ti.u32)))
+    def draw_of(clock: ti.template(), trial, index):
+        key_low, key_high = ti.cast(clock[KEY_LOW], ti.u32), ti.cast(clock[KEY_HIGH], ti.u32)
+        own = integers(ti.cast(trial + clock[FIRST], ti.u32))
+        tick = integers(ti.cast(clock[AGE], ti.u32))
+        return Together(key_low=key_low, key_high=key_high, trial=own, index=index, tick=tick)
 
     def moves(kind: str):
         ferry, save, alive_end = carried[kind], saved[kind], getattr(near, kind).alive_end
@@ -64,7 +69,7 @@ def build(
         @ti.func
         def move_block(
             crowds: ti.template(), scratch: ti.template(), a, numbers: ti.template(), means: ti.template(), block, count,
-            prey_count, tick, first_trial, key_low, key_high,
+            prey_count, clock: ti.template(),
         ):  # fmt: skip
             """Move a block of agents; slots without one are written, too, for the sort."""
             crowd = crowds.of(kind)
@@ -76,9 +81,9 @@ def build(
                     prey=crowds.prey, predators=crowds.predators, obstacles=crowds.obstacles, numbers=numbers,
                     trial=trial, block=block, end=end, count=prey_count,
                 )  # fmt: skip
-                draw = draw_of(trial, first_trial, index, tick, key_low, key_high)
+                draw = draw_of(clock, trial, index)
                 target = see.target_of(numbers, 0)
-                swarm = swarm_at(means, trial, ti.cast(tick, real))
+                swarm = swarm_at(means, trial, ti.cast(clock[AGE], real))
                 drive_one(here, draw, scratch, a, me, numbers, 0, swarm, target)
                 step_of.commit(scratch, a, numbers, 0)
                 ferry.save_rows(scratch, a, crowd, count, block, end)
@@ -99,8 +104,8 @@ def build(
             predator_agents: near.predators.agent_array, predator_whole: whole_array, predator_reals: near.predators.real_array,
             predator_cold: cold_array, moving_rows: near.prey.row_array,
             obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
-            scratch: flat, numbers: flat, means: cold_array,
-            prey_count: ti.i32, predator_count: ti.i32, tick: ti.i32, first_trial: ti.i32, key_low: ti.u32, key_high: ti.u32,
+            scratch: flat, numbers: flat, means: cold_array, clock: whole_array,
+            prey_count: ti.i32, predator_count: ti.i32,
         ):  # fmt: skip
             for index in range(LOOP):
                 if index % TASK == 0:
@@ -120,8 +125,7 @@ def build(
                     begin, end = share_of(chunk, crowd[SLOTS] * crowd[TRIALS] // LANES)
                     for block in range(begin, end):
                         move_block(
-                            crowds, scratch, chunk * high[kind], numbers, means, block, count, prey_count, tick, first_trial,
-                            key_low, key_high,
+                            crowds, scratch, chunk * high[kind], numbers, means, block, count, prey_count, clock,
                         )  # fmt: skip
 
         return move
@@ -131,7 +135,7 @@ def build(
         """Move a block of prey that meet nobody but each other."""
         crowds = Together(prey=prey, predators=0, obstacles=0)
         a = chunk * high["prey"]
-        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, 0, 0, ti.u32(0), ti.u32(0))
+        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, prey.whole)
 
     @ti.kernel
     def move_plain(
@@ -294,7 +298,8 @@ def build(
         begin=begin,
         face=face,
         remember=remember,
-        drift={kind: drifts(kind) for kind in carried},
+        drift_prey=drifts("prey"),
+        drift_predators=drifts("predators"),
         average=average,
         rank=rank,
         starts=driven.starts or "prey" in frame.unicycles,

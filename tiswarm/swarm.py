@@ -136,7 +136,12 @@ class Swarm:
         if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
             at = self._predators
             self._kernels.face(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
-        self._move: Any = None  # made ready by the first step that needs it
+        self._clock = np.zeros(stride.CLOCK, np.int32)
+        self._seen = np.zeros(trials, types.dtype)
+        self._clock[[stride.FIRST, stride.KEY_LOW, stride.KEY_HIGH]] = np.array(
+            [self.trial, *rng.seed_words(self.seed)], np.uint32
+        ).view(np.int32)
+        self._ready: dict[str, Callable[[], None]] = {}
         self._judge(0)
 
     @property
@@ -168,10 +173,8 @@ class Swarm:
         if grid.total <= SMALL:
             self._kernels.run_plain(*self._prey.arrays, grid.rows, *self._tools, ticks)
         else:
-            if self._move is None:
-                self._move = prepared(self._kernels.move_plain, *self._prey.arrays, grid.rows, *self._tools)
             for _ in range(ticks):
-                self._move()
+                self._launch("move_plain", *self._prey.arrays, grid.rows, *self._tools)
                 grid.sort()
         self.age += ticks
         self._judge(1)
@@ -186,13 +189,14 @@ class Swarm:
         """Let the prey move, then the predators, then judge: as trials.py does."""
         kernels, verlet = self._kernels, self._layout.structure.frame.verlet
         hunted = self._layout.structure.hunted
-        words = (self._prey.grid.count, self._predators.grid.count, self.age, self.trial, *rng.seed_words(self.seed))
+        counts = (self._prey.grid.count, self._predators.grid.count)
+        self._clock[stride.AGE] = self.age
         if verlet:
             self._drift("prey")
         self._average()
         if kernels.ranks:
-            kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
-        kernels.move_prey(*self._everything("prey"), *self._tools, self._means, *words)
+            self._launch("rank", self._prey.grid.whole, self._order, self._prey.grid.count)
+        self._launch("move_prey", *self._everything("prey"), *self._tools, self._means, self._clock, *counts)
         self._prey.grid.sort()
         if kernels.remembers:
             self._remember()
@@ -201,11 +205,17 @@ class Swarm:
                 self._drift("predators")
             self._average()
             if kernels.ranks:
-                kernels.rank(self._prey.grid.whole, self._order, self._prey.grid.count)
-            kernels.move_predators(*self._everything("predators"), *self._tools, self._means, *words)
+                self._launch("rank", self._prey.grid.whole, self._order, self._prey.grid.count)
+            self._launch("move_predators", *self._everything("predators"), *self._tools, self._means, self._clock, *counts)
             self._predators.grid.sort()
         self.age += 1
         self._judge(1)
+
+    def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
+        """Run a kernel on arrays that stay where they are: the call is made ready once."""
+        if name not in self._ready:
+            self._ready[name] = prepared(getattr(self._kernels, name), *arguments)
+        self._ready[name]()
 
     def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
         prey, predators = self._prey, self._predators
@@ -221,21 +231,20 @@ class Swarm:
 
     def _drift(self, kind: str) -> None:
         grid = self._crowds[kind].grid
-        self._kernels.drift[kind](grid.agents, grid.whole, grid.reals, self._numbers)
+        self._launch(f"drift_{kind}", grid.agents, grid.whole, grid.reals, self._numbers)
         grid.sort()
 
     def _average(self) -> None:
         if self._kernels.averages:
             grid = self._prey.grid
-            self._kernels.average(grid.agents, grid.whole, self._sums, self._means)
+            self._launch("average", grid.agents, grid.whole, self._sums, self._means)
 
     def _remember(self) -> None:
         prey, rows = self._prey, self._layout.rows
-        seen = np.zeros(self.trials)
         if rows.seen in prey.kept:
-            seen = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
-        seen = seen.astype(prey.cold.dtype)
-        self._kernels.remember(prey.grid.agents, prey.grid.whole, prey.cold.ravel(), *self._tools, seen, prey.grid.count)
+            self._seen[:] = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
+        arrays = (prey.grid.agents, prey.grid.whole, prey.cold.ravel())
+        self._launch("remember", *arrays, *self._tools, self._seen, prey.grid.count)
 
     def _judge(self, moved: int) -> None:
         """Let agents die and arrive, and take them out of their cells."""
@@ -243,7 +252,9 @@ class Swarm:
         if self._mortal:
             prey, predators = self._prey, self._predators
             hunters = predators.row(self._layout.rows.alive).sum()
-            self._kernels.judge(
+            self._clock[stride.MOVED] = moved
+            self._launch(
+                "judge",
                 *prey.arrays,
                 prey.cold.ravel(),
                 *predators.arrays,
@@ -252,9 +263,9 @@ class Swarm:
                 *self._tools,
                 *self._marks,
                 self._tally.ravel(),
+                self._clock,
                 prey.grid.count,
                 predators.grid.count,
-                float(moved),
             )
             tally = self._tally.reshape(self.trials, -1, 4).sum(axis=1)
             self.counts[:, ALIVE] = tally[:, ALIVE]
@@ -272,7 +283,7 @@ class Swarm:
 
     def _cull(self, kind: str) -> None:
         crowd = self._crowds[kind]
-        self._kernels.cull[kind](*crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
+        self._launch(f"cull_{kind}", *crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
         crowd.grid.sort()
 
     def position(self, kind: str = "prey") -> np.ndarray:
@@ -368,7 +379,7 @@ def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleName
         kernels.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
         if mortal:
             judging = verdict.build(layout, types, see, senses, near)
-            kernels.judge, kernels.cull = judging.judge, judging.cull
+            vars(kernels).update(vars(judging))
         _built[key] = kernels
     return _built[key]
 

@@ -11,6 +11,7 @@ from tiswarm.lanes import Together, anywhere, dot, larger, place, safe
 from tiswarm.lanes import near as within
 from tiswarm.layout import ARRIVED, CAPTURED, CRASHED, Layout
 from tiswarm.runtime import LANES, TASK
+from tiswarm.stride import MOVED
 
 
 def build(
@@ -23,7 +24,6 @@ def build(
     at = layout.at
     carried = {kind: carry.build(layout, types, see, senses, kind, True) for kind in ("prey", "predators")}
     high = {kind: layout.agent_rows[kind] for kind in carried}
-    kept = {kind: carry.kept_rows(layout, kind, mortal=True) for kind in carried}
     flat = types.lane_array(1)
     cold_array = ti.types.ndarray(dtype=real, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -208,7 +208,8 @@ def build(
         predator_cold: cold_array,
         obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
         scratch: flat, numbers: flat, prey_marks: cold_array, predator_marks: cold_array, tally: whole_array,
-        prey_count: ti.i32, predator_count: ti.i32, moved: real,
+        clock: whole_array,
+        prey_count: ti.i32, predator_count: ti.i32,
     ):  # fmt: skip
         for index in range(LOOP):
             if index % TASK == 0:
@@ -218,12 +219,16 @@ def build(
                 chunk = index // TASK
                 begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    crash_prey(prey, obstacles, scratch, chunk * high["prey"], numbers, block, prey_count, moved)
+                    crash_prey(
+                        prey, obstacles, scratch, chunk * high["prey"], numbers, block, prey_count, ti.cast(clock[MOVED], real)
+                    )
                 if ti.static(hunted):
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
                         a = chunk * high["predators"]
-                        crash_predators(predators, obstacles, scratch, a, numbers, block, predator_count, moved)
+                        crash_predators(
+                            predators, obstacles, scratch, a, numbers, block, predator_count, ti.cast(clock[MOVED], real)
+                        )
         for index in range(LOOP):
             if index % TASK == 0:  # noqa: SIM102 - one branch at run time, one at compile time
                 if ti.static(hunted and frame.contact in ("deadly", "eaten")):
@@ -234,13 +239,31 @@ def build(
                     for block in range(begin, end):
                         a = chunk * high["prey"]
                         touch_predators(
-                            prey, predators, scratch, a, numbers, block, prey_count, predator_count, moved, prey_marks
+                            prey,
+                            predators,
+                            scratch,
+                            a,
+                            numbers,
+                            block,
+                            prey_count,
+                            predator_count,
+                            ti.cast(clock[MOVED], real),
+                            prey_marks,
                         )
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
                         a = chunk * high["predators"]
                         touch_prey(
-                            predators, prey, scratch, a, numbers, block, predator_count, prey_count, moved, predator_marks
+                            predators,
+                            prey,
+                            scratch,
+                            a,
+                            numbers,
+                            block,
+                            predator_count,
+                            prey_count,
+                            ti.cast(clock[MOVED], real),
+                            predator_marks,
                         )
         for index in range(LOOP):
             if index % TASK == 0:
@@ -249,7 +272,17 @@ def build(
                 chunk = index // TASK
                 begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    settle_prey(prey, scratch, chunk * high["prey"], numbers, block, prey_count, moved, prey_marks, tally)
+                    settle_prey(
+                        prey,
+                        scratch,
+                        chunk * high["prey"],
+                        numbers,
+                        block,
+                        prey_count,
+                        ti.cast(clock[MOVED], real),
+                        prey_marks,
+                        tally,
+                    )
                 if ti.static(hunted and frame.contact == "deadly"):
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
@@ -274,4 +307,4 @@ def build(
 
         return cull
 
-    return SimpleNamespace(judge=judge, cull={kind: culls(kind) for kind in carried}, kept=kept)
+    return SimpleNamespace(judge=judge, cull_prey=culls("prey"), cull_predators=culls("predators"))
