@@ -10,9 +10,10 @@ from render.fates import Fates
 from render.live import Live
 from render.look import Look
 from render.motion import ACTING, ALARMED, EXPLODING, Motion
-from render.now import Now, images, now
+from render.now import Now, now
 from render.overlays import Overlays
-from render.shapes import NONE, WINDOW, capsules, colour, darts, discs, rings
+from render.shapes import WINDOW, capsules, colour, darts, discs, rings
+from render.trails import Trails
 from tiswarm.recording import Recording
 
 SMALLEST = 2.5
@@ -20,9 +21,6 @@ SMALLEST = 2.5
 
 READABLE, CROWD = 5.2, 60
 """Agents are at least this large [units of type] while there are at most CROWD of them, and shrink as they become more."""
-
-HUNTERS = 0.65
-"""Trails of predators are this much weaker than those of prey, whose story it is."""
 
 CROWDED = 20_000
 """From this many agents on, a heat map shows where they are."""
@@ -43,8 +41,9 @@ class Scene:
         Errors: as `Motion`.
         """
         self.subjects, self.look, self.unit, self.theme = subjects, look, unit, look.colours
-        self._reach_back = look.trail * look.speed
-        self.paths = Motion(subjects, self._reach_back, knots)
+        behind = look.trail * look.speed
+        self.paths = Motion(subjects, behind, knots)
+        self._trails = Trails(self.paths, behind, self.theme.trail_alpha)
         most = max(np.bincount(self.paths.scene, minlength=len(subjects)))
         self._agents_shown = most < CROWDED
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
@@ -64,7 +63,6 @@ class Scene:
         prey, scene = paths.is_prey.astype(int), paths.scene
         self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
         self._swatch = np.array([colour(each) for each in self.theme.prey])
-        self._strength = np.where(paths.is_prey, 1.0, HUNTERS)
 
     def frame(self, time: float, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on.
@@ -79,11 +77,11 @@ class Scene:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
         if isinstance(camera, Orbit):
             rows.append(self._shadows(here, camera))
+        reach, paints = np.maximum(self._radius * camera.scale, self._least), self._paints(time)
         if self.paths.trailed:
-            rows.append(self._trails(here, camera, around))
+            rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, paints)))
         if self._agents_shown:
-            reach = np.maximum(self._radius[here.who] * camera.scale, self._least[here.who])
-            paints = self._paints(time)[here.who]
+            reach, paints = reach[here.who], paints[here.who]
             if isinstance(camera, Orbit):
                 reach = np.maximum(reach * here.near, SMALLEST)
                 haze = camera.haze(here.near)
@@ -131,67 +129,6 @@ class Scene:
             near.append(depth)
         order = np.argsort(np.concatenate(near), kind="stable")
         return [np.concatenate(shapes)[order]]
-
-    def _trails(self, here: Now, camera: Camera, around: np.ndarray | None) -> np.ndarray:
-        """Draw where agents were: lines that thin out and fade with age."""
-        paths, ticks, pace = self.paths, self._reach_back, self.paths.per_tick
-        moment = min(here.time, float(paths.last))
-        first, last = max(int(np.ceil((moment - ticks) * pace)), 0), int(np.ceil(moment * pace))
-        if last <= first:
-            return NONE
-        times = np.append(np.arange(first, last) / pace, moment)
-        line = np.concatenate([paths.knots(first, last), here.spot[None]])
-        agents, starts = (times[:-1, None] < paths.end).T.nonzero()
-        a, b = self._segments(line, agents, starts, camera) if around is None else (None, None)
-        if around is not None:
-            a, b, agents, starts = self._pieces(line, agents, starts, camera, around)
-        fresh = np.maximum(1 - (moment - times) / ticks, 0)
-        alpha, thin = self.theme.trail_alpha * fresh**1.4, 0.25 + 0.75 * fresh
-        strong = self._strength[agents]
-        near = camera.nearness(here.spot) if isinstance(camera, Orbit) else 1.0
-        wide = (0.42 * np.maximum(self._radius * camera.scale, self._least) * near)[agents]
-        rows = capsules(
-            a,
-            b,
-            wide * thin[starts],
-            wide * thin[starts + 1],
-            self._paints(here.time).take(agents, axis=0),
-            alpha[starts] * strong,
-            alpha[starts + 1] * strong,
-            group=agents + 1,
-        )
-        return self._cut(rows, agents)
-
-    def _segments(
-        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Give both ends of pieces of trails on the screen. line: [point, agent, dim], m; starts: numbers of first points."""
-        pixels = camera.place(line).reshape(-1, 2)
-        start = starts * self.paths.count + agents
-        a, b = pixels.take(start, axis=0), pixels.take(start + self.paths.count, axis=0)
-        if self.paths.period is not None:  # seen from an orbit, nothing is drawn across the edge
-            far = np.abs(line[starts + 1, agents] - line[starts, agents]) > self.paths.period[agents] / 2
-            b = np.where((far & (self.paths.period[agents] > 0)).any(axis=1)[:, None], a, b)
-        return a, b
-
-    def _pieces(
-        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera, around: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Give the same in periodic worlds, where a piece across the edge is seen on both sides of it."""
-        assert self.paths.period is not None
-        points, start = line[..., :2].reshape(-1, 2), starts * self.paths.count + agents
-        period = self.paths.period[:, :2].take(agents, axis=0)
-        a = points.take(start, axis=0)
-        step = points.take(start + self.paths.count, axis=0) - a
-        step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
-        half = np.abs(step) / 2
-        seen = around.take(agents, axis=0)
-        seen[:, :2] -= half
-        seen[:, 2:] += half
-        copies, shift = images(a + step / 2, seen, period)
-        agents, starts = agents.take(copies), starts.take(copies)
-        own, a, step = camera.of(agents), a.take(copies, axis=0) + shift, step.take(copies, axis=0)
-        return own.place(a), own.place(a + step), agents, starts
 
     def _prey(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw prey as drops, round in front; their state shows on them."""
