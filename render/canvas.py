@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from render.bins import HEAD
+from render.brush import PLANES
 from render.pixels import AREA, LANES, TILE
 from render.plate import EVERYWHERE, Plate
-from render.raster import CHUNKS, CONSTANTS, HEAD, LAY, OVER, PLANES, WHOLE, paint
+from render.raster import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
 from render.shapes import COLUMNS, Colour
 from render.text import Atlas
 from tiswarm import runtime
