@@ -1,8 +1,8 @@
-# mypy: disable-error-code="valid-type,index,operator"
+# mypy: disable-error-code="valid-type,index,operator,call-arg"
 """Paint shapes into the scratch memory of a tile: planes of linear red, green and blue, and a mask where groups are joined.
 
-Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one is done on
-plain numbers, through a second view of the scratch memory.
+Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one is done
+on plain numbers, through a second view of the scratch memory.
 """
 
 import taichi as ti

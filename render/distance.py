@@ -11,8 +11,8 @@ from tiswarm.lanes import larger, smaller
 class Form:
     """What says how a shape covers pixels.
 
-    ax, ay, bx, by, p, q: its place and its size, as in `render.shapes`. per_soft, per_length2: one over the ramp's width [1/px],
-    and over a capsule's squared length [1/px²]. alpha, more_alpha: opacity at the near end, and how much more at the far one.
+    ax, ay, bx, by, p, q: place and size, as in `render.shapes`. per_soft, per_length2: one over the ramp's width [1/px], and
+    over a capsule's squared length [1/px²]. alpha, more_alpha: opacity at the near end, and how much more at the far one.
     """
 
     kind: ti.i32
