@@ -33,6 +33,9 @@ class Strip(Panel):
         self._headed(room)
         self._peopled(room)
         self._counter_labels()
+        right, which = self._box.right, f"trial {self._subject.trial} · seed {self._subject.seed}"
+        self._still.append(self._write("s", right, self._box.top + 29 * unit, 16, "quiet", "right"))
+        self._still.append(self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"))
 
     def _headed(self, room: int) -> None:
         """Write the title on one line, or smaller on two, and the source behind it where there is room."""
@@ -86,15 +89,9 @@ class Strip(Panel):
         return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, size, paint, tabular=True)
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        subject, unit, right = self._subject, self._unit, self._box.right
-        digits = f"{min(time, self._scene.paths.last) * subject.scenario.world.dt:.1f}"
-        base, end = self._box.top + 29 * unit, right - width("s", self._px(16)) - 5 * unit
-        which = f"trial {subject.trial} · seed {subject.seed}"
-        return [
-            self._write(digits, end, base, 38, "ink", "right", tabular=True),
-            self._write("s", right, base, 16, "quiet", "right"),
-            self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"),
-        ]
+        digits = f"{min(time, self._scene.paths.last) * self._subject.scenario.world.dt:.1f}"
+        end = self._box.right - width("s", self._px(16)) - 5 * self._unit
+        return [self._write(digits, end, self._box.top + 29 * self._unit, 38, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         y, half = self._box.top - (TOP - LINE) * self._unit, self._unit
