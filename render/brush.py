@@ -13,6 +13,7 @@ from render.shapes import (
     ALPHA,
     BOUNDS,
     CAPSULE,
+    CLOUD,
     GROUP,
     KIND,
     PAINT,
@@ -63,6 +64,41 @@ def _paint_sprite(
 
 
 @ti.func
+def _paint_cloud(
+    shapes: ti.template(),
+    n: ti.i32,
+    texels: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    left,
+    top,
+    right,
+    bottom,
+    x0,
+    y0,
+):
+    """Blend colours between the four nearest texels of each pixel; `place` as in `_paint_sprite`."""
+    ax, ay, per_x, per_y = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    across, down = shapes[n, SIZE] * per_x, shapes[n, SIZE + 1] * per_y
+    stride, first = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
+    half = ti.f32(0.5)
+    for y in range(top, bottom):
+        v = ti.min(ti.max((ti.cast(y, ti.f32) + half - ay) * per_y, ti.f32(0.0)), down) + half
+        row = ti.cast(v, ti.i32)
+        lower = v - ti.cast(row, ti.f32)
+        for x in range(left, right):
+            u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
+            column = ti.cast(u, ti.i32)
+            at, later = first + row * stride + column, u - ti.cast(column, ti.f32)
+            above = texels[at] + (texels[at + 1] - texels[at]) * later
+            below = texels[at + stride] + (texels[at + stride + 1] - texels[at + stride]) * later
+            light = above + (below - above) * lower
+            for c in ti.static(range(3)):
+                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
+                numbers[spot] = numbers[spot] * (ti.f32(1.0) - light[3]) + light[c]
+
+
+@ti.func
 def _form(shapes: ti.template(), n: ti.i32):
     """Read what says how shape n covers pixels."""
     ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
@@ -96,7 +132,15 @@ def _covered(
 
 @ti.func
 def paint_shape(
-    shapes: ti.template(), n: ti.i32, atlas: ti.template(), lanes: ti.template(), numbers: ti.template(), place: ti.i32, x0, y0
+    shapes: ti.template(),
+    n: ti.i32,
+    atlas: ti.template(),
+    texels: ti.template(),
+    lanes: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    x0,
+    y0,
 ):
     """Blend shape n into a tile; a grouped capsule only raises the mask. `place` is the tile's first lane."""
     left = ti.max(ti.cast(shapes[n, BOUNDS], ti.i32), x0)
@@ -108,6 +152,8 @@ def paint_shape(
     red, green, blue = shapes[n, PAINT], shapes[n, PAINT + 1], shapes[n, PAINT + 2]
     if form.kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
+    elif form.kind == CLOUD:
+        _paint_cloud(shapes, n, texels, numbers, place * LANES, left, top, right, bottom, x0, y0)
     elif form.kind == CAPSULE:  # lanes of a row are written out: a loop over two would double the time to compile
         for y in range(top, bottom):
             for column in ti.static(range(ACROSS)):
@@ -139,6 +185,7 @@ def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: t
 def paint_entries(
     shapes: ti.template(),
     atlas: ti.template(),
+    texels: ti.template(),
     bins: ti.template(),
     lanes: ti.template(),
     numbers: ti.template(),
@@ -158,7 +205,7 @@ def paint_entries(
             _paint_mask(shapes, joined, lanes, place, top, bottom)
             top, bottom = TILE, 0
         if n >= 0:
-            paint_shape(shapes, n, atlas, lanes, numbers, place, x0, y0)
+            paint_shape(shapes, n, atlas, texels, lanes, numbers, place, x0, y0)
             if group > ti.f32(0.0):
                 top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
                 bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))

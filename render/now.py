@@ -28,10 +28,13 @@ class Now:
     shift: np.ndarray
 
 
-def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None) -> Now:
-    """Look at a time [ticks] through a camera. around: [agent, 4], what of a periodic world is seen, as in `images`."""
+def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None, lone: np.ndarray) -> Now:
+    """Look at a time [ticks] through a camera.
+
+    around: [agent, 4], what of a periodic world is seen, as in `images`. lone: [agent], who is shown one by one.
+    """
     spot = paths.spots(time)
-    who = np.flatnonzero(time < paths.end)
+    who = np.flatnonzero((time < paths.end) & lone)
     if around is None or isinstance(camera, Orbit):
         shift = np.zeros((len(who), 2))
         shown = spot[who]
@@ -46,7 +49,7 @@ def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None) -
         who,
         int(np.searchsorted(who, paths.prey)),
         own.place(shown),
-        own.turn(shown, paths.speeds(time)[who]),
+        own.turn(shown, paths.speeds(time, who)),
         own.nearness(shown),
         shift,
     )

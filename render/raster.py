@@ -24,6 +24,7 @@ OVER, LAY, WHOLE = 0, 1, 2
 _TASK = runtime.TASK
 _LANE = ti.types.vector(LANES, ti.f32)
 _Lanes = ti.types.ndarray(dtype=_LANE, ndim=1)
+_Texels = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
 _Numbers = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _Bytes = ti.types.ndarray(dtype=ti.u8, ndim=1)
 
@@ -33,6 +34,7 @@ def paint(
     shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
     windows: ti.types.ndarray(dtype=ti.f32, ndim=2),
     atlas: ti.types.ndarray(dtype=ti.u8, ndim=2),
+    texels: _Texels,
     bins: ti.types.ndarray(dtype=ti.i32, ndim=1),
     ground: _Lanes,
     lanes: _Lanes,
@@ -83,7 +85,9 @@ def paint(
                             base = windows[bins[5], c]
                             for spot in range(plane, plane + AREA):
                                 lanes[place + spot] = ti.f32(0.0) * lanes[0] + base
-                    paint_entries(shapes, atlas, bins, lanes, numbers, place, HEAD + tiles + 1 + start, end - start, x0, y0)
+                    paint_entries(
+                        shapes, atlas, texels, bins, lanes, numbers, place, HEAD + tiles + 1 + start, end - start, x0, y0
+                    )
                     if mode == LAY:
                         for spot in range(3 * AREA):
                             ground[tile * 3 * AREA + spot] = lanes[place + spot]

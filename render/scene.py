@@ -13,6 +13,7 @@ from render.motion import ACTING, ALARMED, EXPLODING, Motion
 from render.now import Now, now
 from render.overlays import Overlays
 from render.shapes import WINDOW, capsules, colour, darts, discs, rings
+from render.text import Atlas
 from render.trails import Trails
 from tiswarm.recording import Recording
 
@@ -22,8 +23,11 @@ SMALLEST = 2.5
 READABLE, CROWD = 5.2, 60
 """Agents are at least this large [units of type] while there are at most CROWD of them, and shrink as they become more."""
 
+ABOVE = 1.5
+"""Agents above a cloud of others are this much larger than READABLE."""
+
 CROWDED = 20_000
-"""From this many agents on, a heat map shows where they are."""
+"""From this many prey, or predators, on, a cloud shows where they are."""
 
 
 Layer = tuple[np.ndarray, np.ndarray]
@@ -33,10 +37,11 @@ Layer = tuple[np.ndarray, np.ndarray]
 class Scene:
     """Recordings or live simulations, ready to be drawn."""
 
-    def __init__(self, subjects: Sequence[Recording | Live], look: Look, unit: float, knots: int = 2):
+    def __init__(self, subjects: Sequence[Recording | Live], look: Look, unit: float, atlas: Atlas, knots: int = 2):
         """Prepare the paths.
 
-        unit: pixels per unit of type, by which small things are sized. knots: points of a trail per tick; 2 make round curves.
+        unit: pixels per unit of type, by which small things are sized. atlas: what clouds are written to. knots: points of a
+        trail per tick; 2 make round curves.
 
         Errors: as `Motion`.
         """
@@ -44,12 +49,13 @@ class Scene:
         behind = look.trail * look.speed
         self.paths = Motion(subjects, behind, knots)
         self._trails = Trails(self.paths, behind, self.theme.trail_alpha)
-        most = max(np.bincount(self.paths.scene, minlength=len(subjects)))
-        self._agents_shown = most < CROWDED
+        prey, scene = self.paths.is_prey, self.paths.scene
+        crowds = [np.bincount(scene[prey == kind], minlength=len(subjects)).max() for kind in (False, True)]
+        self._lone = np.array(crowds)[prey.astype(int)] < CROWDED
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
         swept = any(subject.scenario.coverage.cell for subject in subjects)
-        overlay = {*look.overlay, *(() if self._agents_shown else ("density",)), *(("coverage",) if swept else ())}
-        self._overlays = Overlays(self.paths, self.theme, unit, overlay)
+        overlay = {*look.overlay, *(() if self._lone.all() else ("density",)), *(("coverage",) if swept else ())}
+        self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
         self.coverage = self._overlays.coverage
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
         self._size_up()
@@ -59,7 +65,8 @@ class Scene:
         paths = self.paths
         crowds = [np.bincount(paths.scene[paths.is_prey == prey], minlength=len(self.subjects)) for prey in (False, True)]
         radii = [[getattr(subject.scenario, kind).radius for subject in self.subjects] for kind in ("predators", "prey")]
-        least = [np.maximum(READABLE * self.unit * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
+        readable = READABLE * self.unit * (1.0 if self._lone.all() else ABOVE)
+        least = [np.maximum(readable * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
         prey, scene = paths.is_prey.astype(int), paths.scene
         self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
         self._swatch = np.array([colour(each) for each in self.theme.prey])
@@ -70,9 +77,9 @@ class Scene:
         windows: [subject, 4], where on the screen each is shown [px].
         """
         around = self._around(camera, windows)
-        here = now(self.paths, time, camera, around)
+        here = now(self.paths, time, camera, around, self._lone)
         gone = bool((self.paths.end <= time).any())
-        rows = [self._overlays.below(here, camera)]
+        rows = [self._overlays.below(here, camera, windows)]
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
         if isinstance(camera, Orbit):
@@ -80,14 +87,13 @@ class Scene:
         reach, paints = np.maximum(self._radius * camera.scale, self._least), self._paints(time)
         if self.paths.trailed:
             rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, paints)))
-        if self._agents_shown:
-            reach, paints = reach[here.who], paints[here.who]
-            if isinstance(camera, Orbit):
-                reach = np.maximum(reach * here.near, SMALLEST)
-                haze = camera.haze(here.near)
-                paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
-            drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
-            rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
+        reach, paints = reach[here.who], paints[here.who]
+        if isinstance(camera, Orbit):
+            reach = np.maximum(reach * here.near, SMALLEST)
+            haze = camera.haze(here.near) * (1.0 if self._lone.all() else 0.4)  # clear before a cloud
+            paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
+        drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
+        rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
         if gone:
             rows.append(self._fates.flashes(here, camera))
         return np.concatenate(rows)

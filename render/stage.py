@@ -150,7 +150,7 @@ class Stage:
 
     def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
         unit = layout(size, _extent(subject)).unit
-        self.scene = Scene([subject], self._look, unit)
+        self.scene = Scene([subject], self._look, unit, self._atlas)
         view = self._view(STRAY)
         plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
         self.boxes = [plan.stage]
@@ -162,7 +162,7 @@ class Stage:
         unit = min(size) / 720
         rough = cells(size, len(subjects), _extent(subjects[0]), unit)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        self.scene = Scene(subjects, self._look, small, knots=1)
+        self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
         view = self._view(STRAY_TOGETHER)
         self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), unit)
         self.operators = [operator(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
