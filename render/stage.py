@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from render import world
-from render.camera import Camera, Operator, Orbit, View, apparent, bounds, fitted, heights, joint, operator
+from render.camera import Camera, Orbit, joint
 from render.caption import counters
 from render.layout import Box, layout
 from render.live import Live, is_sky
 from render.look import Look
 from render.mosaic import Mosaic, beside, cells, labels_of
+from render.operators import Operator, View, apparent, bounds, fitted, heights, operator
 from render.panel import Panel
 from render.plate import Plate
 from render.scene import Scene
