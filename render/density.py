@@ -18,8 +18,11 @@ SPREAD = 0.85
 COARSEST, FINEST = 56, 512
 """Cells along the longer side, at least and at most."""
 
-BRIGHTEST = 24
+BRIGHTEST = 8
 """The scale of colours ends where agents are this many times as crowded as on average: it must not change as they move."""
+
+DEEP = 2.5
+"""In space agents add up along a line of sight: it takes this many times as many for the same colour."""
 
 THIN = 1.2
 """How fast a cloud becomes opaque: with average density its opacity is 1 - exp(-THIN)."""
@@ -108,7 +111,7 @@ class Density:
         screen, near = _Screen(camera.place(spots), many, window), camera.nearness(spots)
         crowd = screen.counted(near**3)
         haze = camera.haze(screen.counted(near**4) / np.maximum(crowd, 1e-9))
-        texels = self._scale.take(self._level(crowd), axis=0) * (1 - haze).astype(np.float32)
+        texels = self._scale.take(self._level(crowd / DEEP), axis=0) * (1 - haze).astype(np.float32)
         return [shadow, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
 
     @staticmethod

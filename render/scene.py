@@ -79,11 +79,10 @@ class Scene:
         around = self._around(camera, windows)
         here = now(self.paths, time, camera, around, self._lone)
         gone = bool((self.paths.end <= time).any())
-        rows = [self._overlays.below(here, camera, windows)]
+        rows = [self._shadows(here, camera)] if isinstance(camera, Orbit) else []
+        rows.append(self._overlays.below(here, camera, windows))
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
-        if isinstance(camera, Orbit):
-            rows.append(self._shadows(here, camera))
         reach, paints = np.maximum(self._radius * camera.scale, self._least), self._paints(time)
         if self.paths.trailed:
             rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, paints)))
