@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from render.bins import HEAD
+from render.brush import PLANES
 from render.pixels import AREA, LANES, TILE
 from render.plate import EVERYWHERE, Plate
-from render.raster import CHUNKS, CONSTANTS, HEAD, LAY, OVER, PLANES, WHOLE, paint
+from render.raster import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
 from render.shapes import COLUMNS, Colour
 from render.text import Atlas
 from tiswarm import runtime
@@ -78,7 +80,18 @@ class Canvas:
             room = len(self._bins) - HEAD - self._tiles - 1
             self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
             numbers = self._lanes.reshape(-1)
-            paint(rows, edges, self._atlas.ink, self._bins, self._light, self._lanes, numbers, out.whole, self.yuv)
+            paint(
+                rows,
+                edges,
+                self._atlas.ink,
+                self._atlas.texels,
+                self._bins,
+                self._light,
+                self._lanes,
+                numbers,
+                out.whole,
+                self.yuv,
+            )
             needed = int(self._bins[HEAD + self._tiles])
             if needed <= room:
                 return

@@ -22,12 +22,17 @@ class Caption:
 
     def _px(self, units: float) -> int:
         """Turn a size of type into whole pixels."""
-        return max(round(units * self._unit), 7)
+        return pixels(units, self._unit)
 
     def _write(
         self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False
     ) -> np.ndarray:
         return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
+
+
+def pixels(units: float, unit: float) -> int:
+    """Turn a size of type into whole pixels."""
+    return max(round(units * unit), 7)
 
 
 @dataclass(frozen=True)

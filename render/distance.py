@@ -4,18 +4,30 @@
 import taichi as ti
 
 from render.shapes import DART, QUAD
+from tiswarm.lanes import larger, smaller
 
 
-@ti.func
-def larger(a, b):
-    """Give the larger: one instruction, where ti.max, which sorts out NaN, is three."""
-    return ti.select(a > b, a, b)
+@ti.dataclass
+class Form:
+    """What says how a shape covers pixels.
 
+    ax, ay, bx, by, p, q: place and size, as in `render.shapes`. per_soft, per_length2: one over the ramp's width [1/px], and
+    over a capsule's squared length [1/px²]. alpha, more_alpha: opacity at the near end, and how much more at the far one.
+    """
 
-@ti.func
-def smaller(a, b):
-    """Give the smaller."""
-    return ti.select(a < b, a, b)
+    kind: ti.i32
+    ax: ti.f32
+    ay: ti.f32
+    bx: ti.f32
+    by: ti.f32
+    p: ti.f32
+    q: ti.f32
+    tweak: ti.f32
+    per_soft: ti.f32
+    stroke: ti.f32
+    alpha: ti.f32
+    more_alpha: ti.f32
+    per_length2: ti.f32
 
 
 @ti.func
@@ -62,50 +74,33 @@ def _beyond(x, y, ax, ay, bx, by):
 
 
 @ti.func
-def coverage(
-    capsule: ti.template(),
-    kind: ti.i32,
-    ax,
-    ay,
-    bx,
-    by,
-    p,
-    q,
-    tweak,
-    per_soft,
-    stroke,
-    near_alpha,
-    more_alpha,
-    per_length2,
-    x,
-    y,
-):
+def coverage(capsule: ti.template(), form: ti.template(), x, y):
     """Share of the pixels centred at (x, y) that a shape covers, times its opacity there.
 
     capsule: whether it is one, known when this is compiled, for most are.
-    per_soft, per_length2: one over the ramp's width, and over the squared length of a capsule. more_alpha: far less near.
     """
     nothing = x * ti.f32(0.0)
     d, along, most = nothing, nothing, nothing + ti.f32(1.0)
+    ax, ay, bx, by, p, q = form.ax, form.ay, form.bx, form.by, form.p, form.q
     if ti.static(capsule):
         ex, ey = bx - ax, by - ay
-        along = saturated(((x - ax) * ex + (y - ay) * ey) * per_length2)
+        along = saturated(((x - ax) * ex + (y - ay) * ey) * form.per_length2)
         dx, dy = x - ax - along * ex, (y - ay) - along * ey
         radius = p + along * (q - p)
         d = ti.sqrt(dx * dx + dy * dy) - radius
-        most = smaller(larger(ti.f32(2.0) * radius, stroke * ti.f32(1e6)), most)
-    elif kind == DART:
-        d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, tweak)
-    elif kind == QUAD:
+        most = smaller(larger(ti.f32(2.0) * radius, form.stroke * ti.f32(1e6)), most)
+    elif form.kind == DART:
+        d = _dart_distance((x - ax) * bx + (y - ay) * by, (y - ay) * bx - (x - ax) * by, p, q, form.tweak)
+    elif form.kind == QUAD:
         near = larger(_beyond(x, y, ax, ay, bx, by), _beyond(x, y, bx, by, p, q))
-        d = larger(near, larger(_beyond(x, y, p, q, tweak, stroke), _beyond(x, y, tweak, stroke, ax, ay)))
+        d = larger(near, larger(_beyond(x, y, p, q, form.tweak, form.stroke), _beyond(x, y, form.tweak, form.stroke, ax, ay)))
     else:
-        dx = _magnitude(x - ax) - p + tweak
-        dy = larger(y - ay, ay - y) - q + tweak
+        dx = _magnitude(x - ax) - p + form.tweak
+        dy = larger(y - ay, ay - y) - q + form.tweak
         ox, oy = larger(dx, ti.f32(0.0)), larger(dy, ti.f32(0.0))
-        d = ti.sqrt(ox * ox + oy * oy) + smaller(larger(dx, dy), ti.f32(0.0)) - tweak
+        d = ti.sqrt(ox * ox + oy * oy) + smaller(larger(dx, dy), ti.f32(0.0)) - form.tweak
         along = nothing + saturated((y - ay + q) / larger(ti.f32(2.0) * q, ti.f32(1e-6)))
-    if stroke > ti.f32(0.0) and kind != QUAD:
-        d = _magnitude(d) - stroke
-        most = smaller(ti.f32(2.0) * stroke, most)
-    return smaller(saturated(ti.f32(0.5) - d * per_soft), most) * (near_alpha + along * more_alpha)
+    if form.stroke > ti.f32(0.0) and form.kind != QUAD:
+        d = _magnitude(d) - form.stroke
+        most = smaller(ti.f32(2.0) * form.stroke, most)
+    return smaller(saturated(ti.f32(0.5) - d * form.per_soft), most) * (form.alpha + along * form.more_alpha)

@@ -20,8 +20,9 @@ from typing import IO
 from render.plate import Plate
 from tiswarm.files import replacing
 
-QUEUE = 4
-"""Frames that may wait for the encoder; memory does not grow with a film's length."""
+PLATES = 2
+"""One is drawn on while the other is written. More would help nobody, for the encoder has a queue of its own; but they would
+leave the cache before it is their turn again, and differ more from what is then drawn on them."""
 
 PIPE = 1 << 20
 
@@ -97,7 +98,7 @@ class Reel:
         self.broken = False
         self._drawn: queue.SimpleQueue[Plate | None] = queue.SimpleQueue()
         self._spare: queue.SimpleQueue[Plate] = queue.SimpleQueue()
-        for _ in range(QUEUE):
+        for _ in range(PLATES):
             self._spare.put(blank())
 
     def blank(self) -> Plate:

@@ -96,6 +96,7 @@ class Motion:
         """Make room for two ticks, and for the points of trails."""
         shape = self.count, self.dim
         self._place, self._slope, self._begin, self._ahead, self._leaving, self._coming = np.full((6, *shape), np.nan)
+        self._bend, self._twist = np.full((2, *shape), np.nan)  # the curves' coefficients of the second and third power
         self._state, self._state_before, self.fate = np.zeros((3, self.count), np.uint8)
         self._group, self._group_before = np.full((2, self.count), -1, np.int32)
         self.end = np.full(self.count, np.inf)
@@ -146,6 +147,8 @@ class Motion:
         gone = np.flatnonzero(np.isnan(self._place[:, 0]) & np.isinf(self.end))
         if len(gone):
             self._let_go(gone)
+        chord, va, vb = self._ahead - self._begin, self._leaving, self._coming
+        self._bend, self._twist = 3 * chord - 2 * va - vb, va + vb - 2 * chord
         if len(self._knots):
             self._tie()
         self._tell()
@@ -216,15 +219,9 @@ class Motion:
             knot[resting] = self._rest[resting]
             self._knots[(tick * self.per_tick + n) % len(self._knots)] = knot
 
-    def _bends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Give the curves' coefficients of the second and third power."""
-        chord, va, vb = self._ahead - self._begin, self._leaving, self._coming
-        return 3 * chord - 2 * va - vb, va + vb - 2 * chord
-
     def _between(self, f: float) -> np.ndarray:
         """Give places at a share of the way between the two ticks that are loaded."""
-        bend, twist = self._bends()
-        return self.within(self._begin + f * (self._leaving + f * (bend + f * twist)))
+        return self.within(self._begin + f * (self._leaving + f * (self._bend + f * self._twist)))
 
     def reach(self, time: float) -> bool:
         """Load what is known up to a time; tell whether something still moves then.
@@ -247,14 +244,13 @@ class Motion:
         spots[resting] = self._rest[resting]
         return spots
 
-    def speeds(self, time: float) -> np.ndarray:
-        """Give velocities [m/tick] at a time: [agent, dim]."""
+    def speeds(self, time: float, agents: np.ndarray) -> np.ndarray:
+        """Give velocities [m/tick] of some agents at a time: [agent, dim]."""
         self.reach(time)
         f = min(time - (self.loaded - 1), 1.0)
-        bend, twist = self._bends()
-        speeds = self._leaving + f * (2 * bend + 3 * f * twist)
-        resting = time >= self._rest_from
-        speeds[resting] = self._rest_slope[resting]
+        speeds = self._leaving[agents] + f * (2 * self._bend[agents] + 3 * f * self._twist[agents])
+        resting = np.flatnonzero(time >= self._rest_from[agents])
+        speeds[resting] = self._rest_slope[agents[resting]]
         return speeds
 
     def states(self, time: float) -> np.ndarray:

@@ -28,10 +28,13 @@ class Now:
     shift: np.ndarray
 
 
-def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None) -> Now:
-    """Look at a time [ticks] through a camera. around: [agent, 4], what of a periodic world is seen, as in `images`."""
+def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None, lone: np.ndarray) -> Now:
+    """Look at a time [ticks] through a camera.
+
+    around: [agent, 4], what of a periodic world is seen, as in `images`. lone: [agent], who is shown one by one.
+    """
     spot = paths.spots(time)
-    who = np.flatnonzero(time < paths.end)
+    who = np.flatnonzero((time < paths.end) & lone)
     if around is None or isinstance(camera, Orbit):
         shift = np.zeros((len(who), 2))
         shown = spot[who]
@@ -46,7 +49,7 @@ def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None) -
         who,
         int(np.searchsorted(who, paths.prey)),
         own.place(shown),
-        own.turn(shown, paths.speeds(time)[who]),
+        own.turn(shown, paths.speeds(time, who)),
         own.nearness(shown),
         shift,
     )
@@ -60,17 +63,8 @@ def images(spots: np.ndarray, around: np.ndarray, period: np.ndarray | float) ->
     """
     period = np.broadcast_to(period, spots.shape)
     # Along each axis: is the image one period lower seen, the point itself, the image one period higher?
-    seen = np.empty((2, 3, len(spots)), bool)
-    for axis in (0, 1):
-        place, low, high, size = spots[:, axis], around[:, axis], around[:, axis + 2], period[:, axis]
-        for n, turn in enumerate((-1, 0, 1)):
-            moved = place + turn * size
-            np.logical_and(moved >= low, moved <= high, out=seen[axis, n])
-            if turn:  # worlds without edges have no images but the point itself
-                seen[axis, n] &= size != 0
-    found = [(x, y, np.flatnonzero(seen[0, x] & seen[1, y])) for x in range(3) for y in range(3)]
-    points = np.concatenate([own for _, _, own in found])
-    turns = np.concatenate([np.full((len(own), 2), (x - 1.0, y - 1.0)) for x, y, own in found])
-    order = points.argsort(kind="stable")
-    points = points[order]
-    return points, turns[order] * period[points]
+    moved = spots.T[:, None] + np.array([[-1.0], [0.0], [1.0]]) * period.T[:, None]
+    seen = (moved >= around.T[:2, None]) & (moved <= around.T[2:, None])
+    seen[:, ::2] &= period.T[:, None] != 0  # worlds without edges have no images but the point itself
+    points, x, y = (seen[0].T[:, :, None] & seen[1].T[:, None]).nonzero()
+    return points, np.stack([x - 1.0, y - 1.0], axis=1) * period.take(points, axis=0)

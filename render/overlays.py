@@ -3,10 +3,12 @@
 import numpy as np
 
 from render.camera import Camera
-from render.heat import Coverage, Density
+from render.coverage import Coverage
+from render.density import Density
 from render.motion import Motion
 from render.now import Now
 from render.shapes import NONE, WINDOW, capsules, colour, mixed, rings
+from render.text import Atlas
 from render.theme import Theme
 
 LINKED = 2000
@@ -16,22 +18,22 @@ LINKED = 2000
 class Overlays:
     """The overlays that a look asks for."""
 
-    def __init__(self, paths: Motion, theme: Theme, unit: float, names: set[str]):
-        """Prepare. unit: pixels per unit of type."""
+    def __init__(self, paths: Motion, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas):
+        """Prepare. unit: pixels per unit of type. lone, atlas: as for `Density`."""
         self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
         self.coverage = Coverage(paths, theme) if "coverage" in names else None
-        self._density = Density(paths, theme) if "density" in names else None
+        self._density = Density(paths, theme, lone, atlas) if "density" in names else None
         scenarios = [subject.scenario for subject in paths.subjects]
         sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
         self._sight = sights[paths.scene, paths.is_prey.astype(int)]
 
-    def below(self, here: Now, camera: Camera) -> np.ndarray:
-        """Draw what lies under the agents."""
+    def below(self, here: Now, camera: Camera, windows: np.ndarray) -> np.ndarray:
+        """Draw what lies under the agents. windows: as in `Scene.frame`."""
         rows = [NONE]
         if self.coverage:
             rows.append(self.coverage.drawn(here, camera))
         if self._density:
-            rows.append(self._density.drawn(here, camera))
+            rows.append(self._density.drawn(here, camera, windows))
         if "perception" in self._names:
             rows.append(self._perception(here, camera))
         if "links" in self._names:
@@ -54,7 +56,7 @@ class Overlays:
         """Draw where each agent will be in three ticks if it goes straight on."""
         shown = here.spot[here.who]
         shown[:, :2] += here.shift
-        ahead = camera.of(here.who).place(shown + 3 * self._paths.speeds(here.time)[here.who])
+        ahead = camera.of(here.who).place(shown + 3 * self._paths.speeds(here.time, here.who))
         thick = 1.0 * self._unit
         return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
 

@@ -5,8 +5,9 @@ import numpy as np
 import taichi as ti
 
 from render import shapes
-from render.distance import saturated, smaller
+from render.distance import saturated
 from tiswarm import runtime
+from tiswarm.lanes import smaller
 
 TILE = 16
 """Edge of a tile [px]: small enough that a dart wakes few pixels, large enough that a trail is binned into few tiles."""

@@ -10,9 +10,11 @@ from render.fates import Fates
 from render.live import Live
 from render.look import Look
 from render.motion import ACTING, ALARMED, EXPLODING, Motion
-from render.now import Now, images, now
+from render.now import Now, now
 from render.overlays import Overlays
-from render.shapes import NONE, WINDOW, capsules, colour, darts, discs, rings
+from render.shapes import WINDOW, capsules, colour, darts, discs, rings
+from render.text import Atlas
+from render.trails import Trails
 from tiswarm.recording import Recording
 
 SMALLEST = 2.5
@@ -21,11 +23,11 @@ SMALLEST = 2.5
 READABLE, CROWD = 5.2, 60
 """Agents are at least this large [units of type] while there are at most CROWD of them, and shrink as they become more."""
 
-HUNTERS = 0.65
-"""Trails of predators are this much weaker than those of prey, whose story it is."""
+ABOVE = 1.5
+"""Agents above a cloud of others are this much larger than READABLE."""
 
 CROWDED = 20_000
-"""From this many agents on, a heat map shows where they are."""
+"""From this many prey, or predators, on, a cloud shows where they are."""
 
 
 Layer = tuple[np.ndarray, np.ndarray]
@@ -35,22 +37,25 @@ Layer = tuple[np.ndarray, np.ndarray]
 class Scene:
     """Recordings or live simulations, ready to be drawn."""
 
-    def __init__(self, subjects: Sequence[Recording | Live], look: Look, unit: float, knots: int = 2):
+    def __init__(self, subjects: Sequence[Recording | Live], look: Look, unit: float, atlas: Atlas, knots: int = 2):
         """Prepare the paths.
 
-        unit: pixels per unit of type, by which small things are sized. knots: points of a trail per tick; 2 make round curves.
+        unit: pixels per unit of type, by which small things are sized. atlas: what clouds are written to. knots: points of a
+        trail per tick; 2 make round curves.
 
         Errors: as `Motion`.
         """
         self.subjects, self.look, self.unit, self.theme = subjects, look, unit, look.colours
-        self._reach_back = look.trail * look.speed
-        self.paths = Motion(subjects, self._reach_back, knots)
-        most = max(np.bincount(self.paths.scene, minlength=len(subjects)))
-        self._agents_shown = most < CROWDED
+        behind = look.trail * look.speed
+        self.paths = Motion(subjects, behind, knots)
+        self._trails = Trails(self.paths, behind, self.theme.trail_alpha)
+        prey, scene = self.paths.is_prey, self.paths.scene
+        crowds = [np.bincount(scene[prey == kind], minlength=len(subjects)).max() for kind in (False, True)]
+        self._lone = np.array(crowds)[prey.astype(int)] < CROWDED
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
         swept = any(subject.scenario.coverage.cell for subject in subjects)
-        overlay = {*look.overlay, *(() if self._agents_shown else ("density",)), *(("coverage",) if swept else ())}
-        self._overlays = Overlays(self.paths, self.theme, unit, overlay)
+        overlay = {*look.overlay, *(() if self._lone.all() else ("density",)), *(("coverage",) if swept else ())}
+        self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
         self.coverage = self._overlays.coverage
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
         self._size_up()
@@ -60,11 +65,11 @@ class Scene:
         paths = self.paths
         crowds = [np.bincount(paths.scene[paths.is_prey == prey], minlength=len(self.subjects)) for prey in (False, True)]
         radii = [[getattr(subject.scenario, kind).radius for subject in self.subjects] for kind in ("predators", "prey")]
-        least = [np.maximum(READABLE * self.unit * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
+        readable = READABLE * self.unit * (1.0 if self._lone.all() else ABOVE)
+        least = [np.maximum(readable * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
         prey, scene = paths.is_prey.astype(int), paths.scene
         self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
         self._swatch = np.array([colour(each) for each in self.theme.prey])
-        self._strength = np.where(paths.is_prey, 1.0, HUNTERS)
 
     def frame(self, time: float, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on.
@@ -72,24 +77,22 @@ class Scene:
         windows: [subject, 4], where on the screen each is shown [px].
         """
         around = self._around(camera, windows)
-        here = now(self.paths, time, camera, around)
+        here = now(self.paths, time, camera, around, self._lone)
         gone = bool((self.paths.end <= time).any())
-        rows = [self._overlays.below(here, camera)]
+        rows = [self._shadows(here, camera)] if isinstance(camera, Orbit) else []
+        rows.append(self._overlays.below(here, camera, windows))
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
-        if isinstance(camera, Orbit):
-            rows.append(self._shadows(here, camera))
+        reach, paints = np.maximum(self._radius * camera.scale, self._least), self._paints(time)
         if self.paths.trailed:
-            rows.append(self._trails(here, camera, around))
-        if self._agents_shown:
-            reach = np.maximum(self._radius[here.who] * camera.scale, self._least[here.who])
-            paints = self._paints(time)[here.who]
-            if isinstance(camera, Orbit):
-                reach = np.maximum(reach * here.near, SMALLEST)
-                haze = camera.haze(here.near)
-                paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
-            drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
-            rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
+            rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, paints)))
+        reach, paints = reach[here.who], paints[here.who]
+        if isinstance(camera, Orbit):
+            reach = np.maximum(reach * here.near, SMALLEST)
+            haze = camera.haze(here.near) * (1.0 if self._lone.all() else 0.4)  # clear before a cloud
+            paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
+        drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
+        rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
         if gone:
             rows.append(self._fates.flashes(here, camera))
         return np.concatenate(rows)
@@ -131,67 +134,6 @@ class Scene:
             near.append(depth)
         order = np.argsort(np.concatenate(near), kind="stable")
         return [np.concatenate(shapes)[order]]
-
-    def _trails(self, here: Now, camera: Camera, around: np.ndarray | None) -> np.ndarray:
-        """Draw where agents were: lines that thin out and fade with age."""
-        paths, ticks, pace = self.paths, self._reach_back, self.paths.per_tick
-        moment = min(here.time, float(paths.last))
-        first, last = max(int(np.ceil((moment - ticks) * pace)), 0), int(np.ceil(moment * pace))
-        if last <= first:
-            return NONE
-        times = np.append(np.arange(first, last) / pace, moment)
-        line = np.concatenate([paths.knots(first, last), here.spot[None]])
-        agents, starts = (times[:-1, None] < paths.end).T.nonzero()
-        a, b = self._segments(line, agents, starts, camera) if around is None else (None, None)
-        if around is not None:
-            a, b, agents, starts = self._pieces(line, agents, starts, camera, around)
-        fresh = np.maximum(1 - (moment - times) / ticks, 0)
-        alpha, thin = self.theme.trail_alpha * fresh**1.4, 0.25 + 0.75 * fresh
-        strong = self._strength[agents]
-        near = camera.nearness(here.spot) if isinstance(camera, Orbit) else 1.0
-        wide = (0.42 * np.maximum(self._radius * camera.scale, self._least) * near)[agents]
-        rows = capsules(
-            a,
-            b,
-            wide * thin[starts],
-            wide * thin[starts + 1],
-            self._paints(here.time).take(agents, axis=0),
-            alpha[starts] * strong,
-            alpha[starts + 1] * strong,
-            group=agents + 1,
-        )
-        return self._cut(rows, agents)
-
-    def _segments(
-        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Give both ends of pieces of trails on the screen. line: [point, agent, dim], m; starts: numbers of first points."""
-        pixels = camera.place(line).reshape(-1, 2)
-        start = starts * self.paths.count + agents
-        a, b = pixels.take(start, axis=0), pixels.take(start + self.paths.count, axis=0)
-        if self.paths.period is not None:  # seen from an orbit, nothing is drawn across the edge
-            far = np.abs(line[starts + 1, agents] - line[starts, agents]) > self.paths.period[agents] / 2
-            b = np.where((far & (self.paths.period[agents] > 0)).any(axis=1)[:, None], a, b)
-        return a, b
-
-    def _pieces(
-        self, line: np.ndarray, agents: np.ndarray, starts: np.ndarray, camera: Camera, around: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Give the same in periodic worlds, where a piece across the edge is seen on both sides of it."""
-        assert self.paths.period is not None
-        points, start = line[..., :2].reshape(-1, 2), starts * self.paths.count + agents
-        period = self.paths.period[:, :2].take(agents, axis=0)
-        a = points.take(start, axis=0)
-        step = points.take(start + self.paths.count, axis=0) - a
-        step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
-        half = np.abs(step) / 2
-        seen = around.take(agents, axis=0)
-        seen[:, :2] -= half
-        seen[:, 2:] += half
-        copies, shift = images(a + step / 2, seen, period)
-        agents, starts = agents.take(copies), starts.take(copies)
-        own, a, step = camera.of(agents), a.take(copies, axis=0) + shift, step.take(copies, axis=0)
-        return own.place(a), own.place(a + step), agents, starts
 
     def _prey(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw prey as drops, round in front; their state shows on them."""

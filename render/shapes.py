@@ -14,7 +14,7 @@ import numpy as np
 KIND, GROUP, PLACE, SIZE, TWEAK, SOFT, STROKE, PAINT, ALPHA, WINDOW, BOUNDS = 0, 1, 2, 6, 8, 9, 10, 11, 14, 16, 17
 COLUMNS = 21
 
-CAPSULE, DART, BOX, SPRITE, QUAD = 0, 1, 2, 3, 4
+CAPSULE, DART, BOX, SPRITE, QUAD, CLOUD = 0, 1, 2, 3, 4, 5
 
 Colour = tuple[float, float, float]
 
@@ -121,4 +121,16 @@ def sprites(corner, size, source, paint, alpha=1.0) -> np.ndarray:
     rows = _rows(SPRITE, len(corner), paint, alpha, alpha, 0, 1.0, 0.0)
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = corner, source
     rows[:, SIZE : SIZE + 2] = size
+    return rows
+
+
+def cloud(low, high, cells: tuple[int, int], first: int) -> np.ndarray:
+    """Draw a cloud between the corners low and high [2]: colours that run into each other, from the atlas's texels.
+
+    cells: columns and rows, from the top left corner on. first: number of the first texel; they have a rim of one cell around.
+    """
+    low, extent = np.asarray(low, float), np.subtract(high, low)
+    rows = _rows(CLOUD, 1, 0.0, 1.0, 1.0, 0, 1.0, first)
+    rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = low, cells / extent
+    rows[:, SIZE : SIZE + 2], rows[:, TWEAK] = extent, cells[0] + 2
     return rows

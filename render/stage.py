@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from render import world
-from render.camera import Camera, Operator, Orbit, View, apparent, bounds, fitted, heights, joint, operator
+from render.camera import Camera, Orbit, joint
 from render.caption import counters
 from render.layout import Box, layout
 from render.live import Live, is_sky
 from render.look import Look
-from render.mosaic import Mosaic, cells, labels_of
+from render.mosaic import Mosaic, beside, cells, labels_of
+from render.operators import Operator, View, apparent, bounds, fitted, heights, operator
 from render.panel import Panel
 from render.plate import Plate
 from render.scene import Scene
@@ -150,7 +151,7 @@ class Stage:
 
     def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
         unit = layout(size, _extent(subject)).unit
-        self.scene = Scene([subject], self._look, unit)
+        self.scene = Scene([subject], self._look, unit, self._atlas)
         view = self._view(STRAY)
         plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
         self.boxes = [plan.stage]
@@ -160,15 +161,16 @@ class Stage:
 
     def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = min(size) / 720
-        rough = cells(size, len(subjects), _extent(subjects[0]), unit)
+        aside = beside(subjects, labels, unit)
+        rough, _ = cells(size, len(subjects), _extent(subjects[0]), unit, aside)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        self.scene = Scene(subjects, self._look, small, knots=1)
+        self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
         view = self._view(STRAY_TOGETHER)
-        self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), unit)
+        self.boxes, left = cells(size, len(subjects), (view.reach.width, view.reach.height), unit, aside)
         self.operators = [operator(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
-        # Labels stand right above what is drawn, which seldom fills its cell both ways.
-        above = [_shown(view, box) for box in self.boxes]
-        self.caption = Mosaic(self.scene, above, labels, size, self._atlas, unit)
+        # Labels stand right beside what is drawn, which seldom fills its cell both ways.
+        shown = [_shown(view, box, left) for box in self.boxes]
+        self.caption = Mosaic(self.scene, shown, labels, size, self._atlas, unit, aside * left)
 
     def _view(self, stray: float) -> View:
         """Find the worlds of all subjects and whatever moves there."""
@@ -190,8 +192,12 @@ def _around(boxes: list[Box]) -> Box:
     return Box(min(b.left for b in boxes), min(b.top for b in boxes), max(b.right for b in boxes), max(b.bottom for b in boxes))
 
 
-def _shown(view: View, cell: Box) -> Box:
-    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached."""
-    ends = np.array([[view.world.left, view.reach.top], [view.world.right, view.reach.bottom]])
+def _shown(view: View, cell: Box, aside: bool) -> Box:
+    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached.
+
+    aside: the other way round, for captions that stand on its left instead of above it.
+    """
+    across, up = (view.reach, view.world) if aside else (view.world, view.reach)
+    ends = np.array([[across.left, up.top], [across.right, up.bottom]])
     (left, bottom), (right, top) = fitted(view, cell).place(ends)
     return Box(float(left), float(top), float(right), float(bottom))

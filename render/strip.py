@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from render.caption import introduced
+from render.caption import introduced, spaced
 from render.layout import Box
 from render.panel import INSET, Panel
 from render.shapes import Colour, boxes
@@ -15,7 +15,10 @@ FOOT = 55
 """Baseline of the last line of words, below the first one's top."""
 
 COLUMN, GAP, CLOCK = 66, 16, 124
-"""Widths of a counter, of the gaps between counters, and of the clock."""
+"""Widths of a counter, at least, of the gaps between counters, and of the clock."""
+
+DIGITS = 22
+"""Size of the counters' numbers."""
 
 APART = 44
 """Gap between title, counters and clock."""
@@ -27,12 +30,18 @@ class Strip(Panel):
     def _place(self, box: Box) -> None:
         unit = self._unit
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        wide = len(self._counters) * (COLUMN + GAP) - GAP
+        longest = [spaced(counter.total) + counter.unit for counter in self._counters]
+        widths = [width(each, self._px(DIGITS), tabular=True) / unit for each in longest]
+        self._column = max(COLUMN, *widths) if widths else COLUMN
+        wide = len(self._counters) * (self._column + GAP) - GAP
         self._first = self._box.right - (CLOCK + APART + wide) * unit
         room = int(self._first - APART * unit - self._box.left)
         self._headed(room)
         self._peopled(room)
         self._counter_labels()
+        right, which = self._box.right, f"trial {self._subject.trial} · seed {self._subject.seed}"
+        self._still.append(self._write("s", right, self._box.top + 29 * unit, 16, "quiet", "right"))
+        self._still.append(self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"))
 
     def _headed(self, room: int) -> None:
         """Write the title on one line, or smaller on two, and the source behind it where there is room."""
@@ -75,26 +84,19 @@ class Strip(Panel):
 
     def _counter(self, n: int) -> float:
         """Give the left edge of a counter."""
-        return self._first + n * (COLUMN + GAP) * self._unit
+        return self._first + n * (self._column + GAP) * self._unit
 
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
         x, y, half = self._counter(row), self._box.top + 53 * self._unit, 1.75 * self._unit
-        return boxes((x, y - half), (x + share * COLUMN * self._unit, y + half), paint, alpha, corner=half)
+        return boxes((x, y - half), (x + share * self._column * self._unit, y + half), paint, alpha, corner=half)
 
     def _number(self, row: int, digits: str, paint: str) -> np.ndarray:
-        size = 22 if len(digits) < 6 else 15
-        return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, size, paint, tabular=True)
+        return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, DIGITS, paint, tabular=True)
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        subject, unit, right = self._subject, self._unit, self._box.right
-        digits = f"{min(time, self._scene.paths.last) * subject.scenario.world.dt:.1f}"
-        base, end = self._box.top + 29 * unit, right - width("s", self._px(16)) - 5 * unit
-        which = f"trial {subject.trial} · seed {subject.seed}"
-        return [
-            self._write(digits, end, base, 38, "ink", "right", tabular=True),
-            self._write("s", right, base, 16, "quiet", "right"),
-            self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"),
-        ]
+        digits = f"{min(time, self._scene.paths.last) * self._subject.scenario.world.dt:.1f}"
+        end = self._box.right - width("s", self._px(16)) - 5 * self._unit
+        return [self._write(digits, end, self._box.top + 29 * self._unit, 38, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         y, half = self._box.top - (TOP - LINE) * self._unit, self._unit

@@ -38,8 +38,8 @@ def width(text: str, size: int, *, tabular: bool = False) -> int:
 
 @cache
 def _advance(letter: str, size: int) -> int:
-    """Measure a letter of tabular text: digits and the space that stands for one are equally wide."""
-    return round(_face(size).getlength("0" if letter == " " else letter))
+    """Measure a letter of tabular text."""
+    return round(_face(size).getlength(letter))
 
 
 def wrapped(text: str, size: int, room: int, lines: int) -> list[str]:
@@ -66,12 +66,17 @@ def _shortened(line: str, size: int, room: int) -> str:
 
 
 class Atlas:
-    """Ink of the strings drawn so far: [y, x] of uint8; it grows downwards, so places stay valid."""
+    """What sprites and clouds take from.
+
+    ink: the strings drawn so far, [y, x] of uint8; it grows downwards, so places stay valid.
+    texels: of the frame's clouds, [texel, 4] of float32: linear light times opacity, and opacity.
+    """
 
     def __init__(self, weight: float = 1.0):
         """Start empty. weight: power of the ink's coverage; below 1 makes type bolder."""
         self._weight = weight
         self.ink = np.zeros((64, WIDTH), np.uint8)
+        self.texels = np.zeros((1, 4), np.float32)
         self._known: dict[tuple[str, int], tuple[int, ...]] = {}
         self._pen = [0, 0]  # where the next string goes
         self._shelf = 0  # height of the row being filled

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.camera import Camera, Orbit, heights
+from render.camera import Camera, Orbit
 from render.live import Live, is_sky, target_of
+from render.operators import heights
 from render.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.text import Atlas
 from render.theme import Theme

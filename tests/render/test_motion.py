@@ -22,8 +22,11 @@ def test_paths_go_through_the_recorded_positions(chase):
 
 def test_paths_and_their_speeds_are_continuous(chase):
     paths = Motion([chase])
+    everybody = np.arange(paths.count)
     for tick in range(1, 8):
-        (before, slow), (after, fast) = ((paths.spots(time), paths.speeds(time)) for time in (tick - 1e-7, tick + 1e-7))
+        (before, slow), (after, fast) = (
+            (paths.spots(time), paths.speeds(time, everybody)) for time in (tick - 1e-7, tick + 1e-7)
+        )
         alive = paths.end > tick
         assert np.allclose(before[alive], after[alive], atol=1e-5)
         assert np.allclose(slow[alive], fast[alive], atol=1e-5)
@@ -31,9 +34,10 @@ def test_paths_and_their_speeds_are_continuous(chase):
 
 def test_the_speed_is_the_slope_of_the_path(chase):
     paths = Motion([chase])
+    everybody = np.arange(paths.count)
     moment, step = np.arange(0.3, 2.9, 0.37), 1e-6
     rise = (along(paths, moment + step) - along(paths, moment - step)) / (2 * step)
-    assert np.allclose(rise, [paths.speeds(time) for time in moment], atol=1e-5)
+    assert np.allclose(rise, [paths.speeds(time, everybody) for time in moment], atol=1e-5)
 
 
 def test_whoever_is_gone_stays_where_it_went(chase):

@@ -6,7 +6,7 @@ import pytest
 import render
 import tiswarm
 from render.caption import counters
-from render.heat import Cells
+from render.coverage import Cells
 from render.live import is_sky
 from render.look import Look
 from render.stage import Stage

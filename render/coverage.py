@@ -1,4 +1,4 @@
-"""Maps of the ground: how crowded it is, and where it was cleaned; the world is divided into cells for them."""
+"""Cleaned ground: where agents have been, in cells that the world is divided into."""
 
 import numpy as np
 
@@ -6,12 +6,12 @@ from render.camera import Camera
 from render.live import Live
 from render.motion import Motion
 from render.now import Now
-from render.shapes import NONE, WINDOW, boxes, colour
+from render.shapes import NONE, WINDOW, boxes
 from render.theme import Theme
 from tiswarm.recording import Recording
 
-CELLS, FINE = 96, 320
-"""Cells along the world's longer side: of a heat map, and of cleaned ground."""
+FINE = 320
+"""Cells along the world's longer side."""
 
 FRESH = 8
 """Cleaned ground shines for about this many ticks."""
@@ -60,34 +60,6 @@ class Cells:
         far = corner + np.stack([np.broadcast_to(runs, len(cells)), np.ones(len(cells))], axis=1) * self.edge
         a, b = np.round(camera.place(corner)), np.round(camera.place(far))
         return boxes(np.minimum(a, b), np.maximum(a, b), paint, alpha)
-
-
-class Density:
-    """Cells coloured by how many agents are there, on a scale that ends at the most crowded one."""
-
-    def __init__(self, paths: Motion, theme: Theme):
-        """Divide the worlds."""
-        self._paths, self._theme = paths, theme
-        sizes = [subject.scenario.world.size for subject in paths.subjects]
-        self._cells = [Cells(size, max(size[:2]) / CELLS) for size in sizes]
-
-    def drawn(self, here: Now, camera: Camera) -> np.ndarray:
-        """Draw the maps."""
-        rows, stops = [NONE], np.array([colour(each) for each in self._theme.heat])
-        there = here.time < self._paths.end
-        for scene, cells in enumerate(self._cells):
-            mine = there if len(self._cells) == 1 else there & (self._paths.scene == scene)
-            agents = np.flatnonzero(mine)
-            counts = np.bincount(cells.of(here.spot[agents]) + 1, minlength=cells.count + 1)[1:]
-            filled = counts.nonzero()[0]
-            if not len(filled):
-                continue
-            level = np.log1p(counts[filled]) / np.log1p(counts.max())
-            paints = np.stack([np.interp(level, (0, 0.5, 1), stops[:, n]) for n in range(3)], axis=1)
-            tiles = cells.drawn(filled, 1, camera.of(agents[0]), paints, 0.35 + 0.6 * level)
-            tiles[:, WINDOW] = scene
-            rows.append(tiles)
-        return np.concatenate(rows)
 
 
 class Coverage:

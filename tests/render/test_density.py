@@ -1,0 +1,103 @@
+"""Crowds too large to be drawn one by one: the cloud is where they are, and whoever is few stands above it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import render.scene
+from render import shapes
+from render.canvas import Canvas
+from render.density import _counted
+from render.look import Look
+from render.stage import Stage
+from render.text import Atlas
+from tiswarm.recording import Recording
+
+SIZE = (320, 180)
+
+
+@pytest.fixture
+def crowded(monkeypatch):
+    """Let a hundred be a crowd."""
+    monkeypatch.setattr(render.scene, "CROWDED", 100)
+
+
+def flock(make, middle, dim=2, boundary="periodic", **how) -> Recording:
+    """Record 400 prey around a point, and whoever else is asked for far from it."""
+    recording = make(prey=400, dim=dim, ticks=2, **how)
+    size = np.array((*recording.scenario.world.size[:2], 20.0))[:dim]
+    world = recording.scenario.world.model_copy(update={"boundary": boundary, "size": tuple(size)})
+    around = np.random.default_rng(2).normal(np.array(middle)[:dim], 3.0, (400, dim))
+    spots = np.mod(around, size) if boundary == "periodic" else around
+    prey = replace(recording.prey, position=np.repeat(spots[None], 3, axis=0), velocity=np.zeros((3, 400, dim)))
+    bare = np.zeros((0, dim))
+    scenario = recording.scenario.model_copy(update={"world": world})
+    return replace(recording, scenario=scenario, prey=prey, obstacle_position=bare, obstacle_radius=np.zeros(0))
+
+
+def picture(recording: Recording, time: float = 1.0, **look) -> tuple[Stage, np.ndarray]:
+    stage = Stage(recording, SIZE, Look(**look), yuv=False)
+    return stage, stage.frame(time, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3).astype(int)
+
+
+def test_agents_are_spread_but_none_is_lost():
+    places = np.random.default_rng(1).uniform(0.2, 0.8, (500, 2))
+    cells = np.array([40, 30])
+    for mode in ("constant", "wrap", "symmetric"):
+        counts = _counted(places, cells, mode)
+        assert counts.shape == (32, 42)
+        assert counts[1:-1, 1:-1].sum() == pytest.approx(500, rel=1e-5)
+    assert _counted(np.array([[-0.1, 0.5], [0.5, 1.0], [np.nan, 0.5]]), cells, "constant").sum() == 0
+
+
+def test_across_the_edge_of_a_periodic_world_crowds_go_on():
+    cells = np.array([40, 30])
+    places = np.random.default_rng(1).uniform(0, 1, (500, 2))
+    counts, moved = (_counted(np.mod(places + shift, 1), cells, "wrap") for shift in (0, (0.25, 0.5)))
+    assert np.allclose(np.roll(counts[1:-1, 1:-1], (15, 10), axis=(0, 1)), moved[1:-1, 1:-1], atol=1e-5)
+    assert np.allclose(counts[:, 0], counts[:, 40])
+
+
+def test_a_cloud_blends_between_its_texels():
+    atlas = Atlas()
+    canvas = Canvas((64, 48), atlas, yuv=False)
+    opacity = np.array([0, 0, 1, 1], np.float32)  # a rim, two cells, a rim
+    atlas.texels = np.tile(np.stack([opacity, opacity, opacity, opacity], axis=1), (3, 1))
+    canvas.lay((0.0, 0.0, 0.0), shapes.cloud((12, 8), (52, 40), (2, 1), 0))
+    light = canvas.light()[..., 0]
+    assert not light[:8].any()
+    assert not light[:, :12].any()
+    assert not light[40:].any()
+    assert not light[:, 52:].any()
+    assert np.allclose(light[20, 22:42], (np.arange(20) + 0.5) / 20, atol=1e-5)
+    assert np.allclose(light[8:40, 42:52], 1)
+
+
+@pytest.mark.parametrize("boundary", ["open", "periodic", "walls"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_cloud_is_where_the_crowd_is(make, crowded, dim, boundary):
+    stage, image = picture(flock(make, (30.0, 15.0, 10.0), dim, boundary, predators=0))
+    camera = stage.operators[0].at(1.0)
+    x, y = camera.place(np.array([[30.0, 15.0, 10.0]])[:, :dim])[0].astype(int)
+    far = camera.place(np.array([[80.0, 40.0, 10.0]])[:, :dim])[0].astype(int)
+    assert image[y, x].sum() > image[far[1], far[0]].sum() + 150
+
+
+def test_who_is_few_stands_above_the_cloud(make, crowded):
+    predators = flock(make, (15.0, 5.0), predators=5)
+    without = replace(predators, predators=make(predators=0, ticks=2).predators)
+    (stage, image), (_, empty) = picture(predators, trail=0), picture(without, trail=0)
+    x, y = stage.operators[0].at(1.0).place(predators.predators.position[1, 2])
+    assert np.abs(image - empty)[int(y) - 2 : int(y) + 3, int(x) - 2 : int(x) + 3].max() > 60
+
+
+def test_the_scale_does_not_change_with_the_rest_of_the_crowd(make, crowded):
+    one = flock(make, (30.0, 15.0), predators=0)
+    other = replace(one, prey=replace(one.prey, position=one.prey.position.copy()))
+    other.prey.position[:, 200:] = other.prey.position[:, 200:201] * 0 + (80.0, 40.0)
+    (stage, before), (_, after) = (picture(each, camera=((20.0, 10.0), (40.0, 20.0))) for each in (one, other))
+    assert after.sum() < before.sum()
+    (stage, whole) = picture(other)
+    x, y = stage.operators[0].at(1.0).place(np.array([30.0, 15.0])).astype(int)
+    assert whole[y, x].sum() > 150, "a knot elsewhere must not darken the rest"
