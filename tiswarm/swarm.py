@@ -136,7 +136,7 @@ class Swarm:
         if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
             at = self._predators
             self._kernels.face(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
-        self._move: Any = None  # made ready by the first step that needs it
+        self._run: Any = None  # made ready by the first step that needs it
         self._judge(0)
 
     @property
@@ -165,13 +165,14 @@ class Swarm:
             for _ in range(ticks):
                 self._tick()
             return
+        arrays = (*self._prey.arrays, grid.rows, *self._tools)
         if grid.total <= SMALL:
-            self._kernels.run_plain(*self._prey.arrays, grid.rows, *self._tools, ticks)
+            self._run = self._run or prepared(self._kernels.run_plain, *arrays, ticks)
+            self._run(ticks)
         else:
-            if self._move is None:
-                self._move = prepared(self._kernels.move_plain, *self._prey.arrays, grid.rows, *self._tools)
+            self._run = self._run or prepared(self._kernels.move_plain, *arrays)
             for _ in range(ticks):
-                self._move()
+                self._run()
                 grid.sort()
         self.age += ticks
         self._judge(1)
