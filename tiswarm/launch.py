@@ -13,20 +13,23 @@ from taichi.lang import impl
 from tiswarm import runtime
 
 
-def prepared(kernel: Any, *arguments: np.ndarray | int) -> Callable[[], None]:
-    """Give what runs a kernel on these arrays (contiguous ones, which stay where they are) and whole numbers."""
+def prepared(kernel: Any, *arguments: np.ndarray | int) -> Callable[..., None]:
+    """Give what runs a kernel on these arrays (contiguous ones, which stay where they are) and whole numbers.
+
+    It takes new values for the last of the numbers.
+    """
     bound, of = _bound(kernel, arguments), runtime.generation()
 
-    def run() -> None:
+    def run(*last: int) -> None:
         nonlocal bound, of
         if of != runtime.generation():  # Taichi was started anew, and with it went all that it had compiled
             bound, of = _bound(kernel, arguments), runtime.generation()
-        bound()
+        bound(*last)
 
     return run
 
 
-def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[[], None]:
+def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[..., None]:
     primal = kernel._primal
     built = primal.compiled_kernels[primal.ensure_compiled(*arguments)]
     call = built.make_launch_context()
@@ -38,4 +41,10 @@ def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[[],
             call.set_arg_int((at,), value)
     program = impl.get_runtime().prog
     compiled = program.compile_kernel(program.config(), program.get_device_caps(), built)
-    return lambda: program.launch_kernel(compiled, call)
+
+    def launch(*last: int) -> None:
+        for at, value in enumerate(last, len(arguments) - len(last)):
+            call.set_arg_int((at,), value)
+        program.launch_kernel(compiled, call)
+
+    return launch

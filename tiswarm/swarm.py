@@ -141,7 +141,7 @@ class Swarm:
         self._clock[[stride.FIRST, stride.KEY_LOW, stride.KEY_HIGH]] = np.array(
             [self.trial, *rng.seed_words(self.seed)], np.uint32
         ).view(np.int32)
-        self._ready: dict[str, Callable[[], None]] = {}
+        self._ready: dict[str, Callable[..., None]] = {}
         self._judge(0)
 
     @property
@@ -170,11 +170,12 @@ class Swarm:
             for _ in range(ticks):
                 self._tick()
             return
+        arrays = (*self._prey.arrays, grid.rows, *self._tools)
         if grid.total <= SMALL:
-            self._kernels.run_plain(*self._prey.arrays, grid.rows, *self._tools, ticks)
+            self._launch("run_plain", *arrays, ticks)
         else:
             for _ in range(ticks):
-                self._launch("move_plain", *self._prey.arrays, grid.rows, *self._tools)
+                self._launch("move_plain", *arrays)
                 grid.sort()
         self.age += ticks
         self._judge(1)
@@ -212,10 +213,10 @@ class Swarm:
         self._judge(1)
 
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
-        """Run a kernel on arrays that stay where they are: the call is made ready once."""
+        """Run a kernel on arrays that stay where they are, and whole numbers behind them: the call is made ready once."""
         if name not in self._ready:
             self._ready[name] = prepared(getattr(self._kernels, name), *arguments)
-        self._ready[name]()
+        self._ready[name](*(each for each in arguments if isinstance(each, int)))
 
     def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
         prey, predators = self._prey, self._predators
