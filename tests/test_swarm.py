@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+import render
 import tiswarm
 from tiswarm.explain import ScenarioError
+from tiswarm.neighbours import by_grid
 from tiswarm.scenario import validated
 from tiswarm.single import Single
 from tiswarm.swarm import Swarm
@@ -129,3 +131,60 @@ def test_ticks_in_one_go_are_ticks_one_by_one(boundary, f32, monkeypatch):
         single.step()
     assert at_once.age == single.age == 12
     assert np.array_equal(at_once.position(), single.position())
+
+
+CROWD = {"prey.count": 203, "predators.count": 50, "obstacles.count": 30, "world.ticks": 40, "prey.strategy": "jump"}
+
+
+@pytest.fixture
+def crowd():
+    place = {"prey.spawn.region": [[40, 10], [90, 40]], "predators.spawn.region": [[20, 5], [60, 45]]}
+    return tiswarm.load("delft/pronav-10", CROWD | place | {"prey.perception": 6, "world.neighbours": "grid"})
+
+
+def test_a_hunted_crowd_has_the_same_bits_at_any_number_of_threads_and_alone(crowd):
+    states = []
+    for threads in (1, 2):
+        tiswarm.init("f32", threads)
+        swarm = Swarm(crowd, seed=5, trials=3)
+        swarm.step(30)
+        states.append((swarm.position(), swarm.velocity("predators"), swarm.counts))
+    alone = Swarm(crowd, seed=5, trial=2)
+    alone.step(30)
+    for one, other in zip(*states, strict=True):
+        assert np.array_equal(one, other, equal_nan=True)
+    assert np.array_equal(states[0][0][2], alone.position()[0], equal_nan=True)
+    assert (states[0][2][:, 2:].sum(axis=0) > 0).all()  # some were captured, some crashed
+
+
+def test_a_batch_a_recording_and_a_swarm_agree(crowd, f32):
+    results = tiswarm.simulate(crowd, trials=3, seed=5)
+    recording = tiswarm.record(crowd, trial=1, seed=5)
+    swarm = Swarm(crowd, seed=5, trials=3)
+    swarm.step(40)
+    assert swarm.ended.all()
+    assert np.array_equal(results.captured, swarm.counts[:, 2])
+    assert np.array_equal(results.alive + results.arrived + results.captured + results.crashed, [203] * 3)
+    assert np.array_equal(recording.prey.position[-1], swarm.position()[1], equal_nan=True)
+    recording.check()
+    assert "jumped" in recording.prey.state
+
+
+def test_who_uses_a_grid():
+    few, flock = tiswarm.load("delft/pronav-10"), world(50.0, count=5000)
+    assert not by_grid(few)
+    assert by_grid(flock)
+    assert not by_grid(flock.replaced({"world.neighbours": "all-pairs"}))
+    assert not by_grid(flock.replaced({"measures.names": ["polarisation"]}))
+    with pytest.raises(ScenarioError, match=r"measures\.names.*change it"):
+        by_grid(flock.replaced({"measures.names": ["polarisation"], "world.neighbours": "grid"}))
+    with pytest.raises(ScenarioError, match=r"world\.neighbours: all pairs of 20,000"):
+        by_grid(flock.replaced({"prey.count": 20_000, "world.neighbours": "all-pairs"}))
+
+
+def test_a_swarm_can_be_filmed_while_it_runs(crowd, f32, tmp_path):
+    film = render.film(
+        Swarm(crowd.replaced({"world.ticks": 3}), seed=5), tmp_path / "crowd.mp4", size=(320, 180), quality="draft"
+    )
+    assert film.path.stat().st_size > 1000
+    assert film.frames == 0.3 * 60 + 60 + 1

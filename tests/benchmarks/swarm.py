@@ -122,7 +122,7 @@ def main() -> None:
                 [sys.executable, sys.argv[1], str(count), "8", "x"], capture_output=True, text=True, check=True
             )
             print("    prototype:", done.stdout.strip().splitlines()[-1], flush=True)
-    of = {(count, dim): value for count, dim, name, value in rows if name == "processor"}
+    of = {(count, dim): value for count, dim, name, value in rows if name == "clock"}
     exponent = 1 + math.log(of["1 × 1,000,000", 2] / of["1 × 10,000", 2]) / math.log(100)
     share = of["1 × 128,000", 2] / of["64 × 2,000", 2]
     rows += [("10⁴ to 10⁶", 2, "exponent of time", round(exponent, 3)), ("64 × 2,000", 2, "rate against one", round(share, 3))]
