@@ -54,6 +54,7 @@ ORDER = [
     "results",
     "recording",
     "states",
+    "crowds",
     "swarm",
     "batch",
     "deadlocks",

@@ -23,9 +23,7 @@ _kernels: dict[tuple[Any, ...], Any] = {}
 def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int) -> States:
     """Draw the starts of `trials` trials from number `first` on."""
     types, dim = runtime.types(), scenario.world.dim
-    row = layout.table([scenario])[0].astype(types.dtype)
-    numbers = runtime.aligned((len(row), LANES), types.dtype)
-    numbers[:] = row[:, None]
+    numbers = numbers_of(scenario, layout)
     states = {}
     for kind in ("prey", "predators", "obstacles"):
         count = getattr(scenario, kind).count
@@ -39,6 +37,14 @@ def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int
             table[table[..., dim + 1] > 0.5] = np.nan
         states[kind] = table[..., :dim], table[..., dim:]
     return states
+
+
+def numbers_of(scenario: Scenario, layout: Layout) -> np.ndarray:
+    """Give a scenario's numbers, the same in all lanes: [column, lane]."""
+    row = layout.table([scenario])[0].astype(runtime.types().dtype)
+    numbers = runtime.aligned((len(row), LANES), row.dtype)
+    numbers[:] = row[:, None]
+    return numbers
 
 
 def given(start: Start, trials: int) -> States:
