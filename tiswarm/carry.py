@@ -29,6 +29,11 @@ def kept_rows(layout: Layout, kind: str, *, mortal: bool) -> list[int]:
     return kept + list(range(rows.count, layout.agent_rows[kind]))
 
 
+def scratch_rows(layout: Layout) -> int:
+    """Count the scratch rows of a chunk: enough for either kind, so that chunks at work on different kinds never meet."""
+    return max(layout.agent_rows.values())
+
+
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, kind: str, mortal: bool):
     """Build load, save_rows, save_record and blocks_of for agents of a kind."""
     lanes, real = types.lanes, types.real

@@ -67,8 +67,7 @@ class Crowds:
         self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
         self._kernels = _kernels(layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self._mortal)
         self._numbers = seeds.numbers_of(scenario, layout)
-        deepest = max(layout.agent_rows.values())
-        self._scratch = runtime.aligned((carry.CHUNKS * deepest, LANES), types.dtype)
+        self._scratch = runtime.aligned((carry.CHUNKS * carry.scratch_rows(layout), LANES), types.dtype)
         prey = self._prey.grid
         dim, pieces = scenario.world.dim, -(-prey.slots // LANES // stride.PIECE)
         self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), LANES), types.dtype)

@@ -39,7 +39,7 @@ def build(
     steps = driven.steps
     carried = {kind: carry.build(layout, types, see, senses, kind, mortal) for kind in ("prey", "predators")}
     saved = {kind: carried[kind].saves(getattr(near, kind)) for kind in carried}
-    high = {kind: layout.agent_rows[kind] for kind in carried}
+    deep = carry.scratch_rows(layout)
     flat = types.lane_array(1)
     cold_array = ti.types.ndarray(dtype=real, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -125,7 +125,7 @@ def build(
                     begin, end = share_of(chunk, crowd[SLOTS] * crowd[TRIALS] // LANES)
                     for block in range(begin, end):
                         move_block(
-                            crowds, scratch, chunk * high[kind], numbers, means, block, count, prey_count, clock,
+                            crowds, scratch, chunk * deep, numbers, means, block, count, prey_count, clock,
                         )  # fmt: skip
 
         return move
@@ -134,7 +134,7 @@ def build(
     def plain_block(prey: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, block):
         """Move a block of prey that meet nobody but each other."""
         crowds = Together(prey=prey, predators=0, obstacles=0)
-        a = chunk * high["prey"]
+        a = chunk * deep
         move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, prey.whole)
 
     @ti.kernel
@@ -168,7 +168,7 @@ def build(
         for index in range(LOOP):
             if index % TASK == 0:
                 prey = Together(agents=agents, whole=whole, cold=cold)
-                a = index // TASK * high["prey"]
+                a = index // TASK * deep
                 first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(first, last):
                     end = end_of(prey, near.prey.alive_end, block)
@@ -204,7 +204,7 @@ def build(
         for index in range(LOOP):
             if index % TASK == 0:
                 prey = Together(agents=agents, whole=whole, cold=cold)
-                a = index // TASK * high["prey"]
+                a = index // TASK * deep
                 first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(first, last):
                     end = end_of(prey, near.prey.alive_end, block)

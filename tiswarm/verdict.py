@@ -23,7 +23,7 @@ def build(
     hunted = layout.structure.hunted
     at = layout.at
     carried = {kind: carry.build(layout, types, see, senses, kind, True) for kind in ("prey", "predators")}
-    high = {kind: layout.agent_rows[kind] for kind in carried}
+    deep = carry.scratch_rows(layout)
     flat = types.lane_array(1)
     cold_array = ti.types.ndarray(dtype=real, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -219,13 +219,11 @@ def build(
                 chunk = index // TASK
                 begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    crash_prey(
-                        prey, obstacles, scratch, chunk * high["prey"], numbers, block, prey_count, ti.cast(clock[MOVED], real)
-                    )
+                    crash_prey(prey, obstacles, scratch, chunk * deep, numbers, block, prey_count, ti.cast(clock[MOVED], real))
                 if ti.static(hunted):
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * high["predators"]
+                        a = chunk * deep
                         crash_predators(
                             predators, obstacles, scratch, a, numbers, block, predator_count, ti.cast(clock[MOVED], real)
                         )
@@ -237,7 +235,7 @@ def build(
                     chunk = index // TASK
                     begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * high["prey"]
+                        a = chunk * deep
                         touch_predators(
                             prey,
                             predators,
@@ -252,7 +250,7 @@ def build(
                         )
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * high["predators"]
+                        a = chunk * deep
                         touch_prey(
                             predators,
                             prey,
@@ -275,7 +273,7 @@ def build(
                     settle_prey(
                         prey,
                         scratch,
-                        chunk * high["prey"],
+                        chunk * deep,
                         numbers,
                         block,
                         prey_count,
