@@ -8,7 +8,7 @@ import numpy as np
 from tiswarm import registry, rng, runtime, swarm, trials
 from tiswarm.explain import ScenarioError
 from tiswarm.layout import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
-from tiswarm.neighbours import by_grid
+from tiswarm.neighbours import by_grid, check_pairs
 from tiswarm.progress import reporting
 from tiswarm.results import Results
 from tiswarm.runtime import LANES
@@ -42,6 +42,7 @@ class Blocks:
             max(scenario.predators.count for scenario in scenarios),
             max(scenario.obstacles.count for scenario in scenarios),
         )
+        check_pairs(max(self.counts))
         self.kernel, self.layout, (sums, cells) = trials.kernel(Structure.of(scenarios, self.counts[1]))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows

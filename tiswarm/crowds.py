@@ -84,18 +84,16 @@ class Crowds:
             for crowd in (self._prey, self._predators):
                 crowd.row(alive)[:] = 1
                 crowd.row(alive)[:, : crowd.grid.count] = np.isfinite(crowd.grid.gathered(slice(0, 1))[..., 0])
-        if self._kernels.starts:
-            at = self._prey
-            self._kernels.begin(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
-        if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
-            at = self._predators
-            self._kernels.face(at.grid.agents, at.grid.whole, at.cold.ravel(), *self._tools, at.grid.count)
         self._clock = np.zeros(stride.CLOCK, np.int32)
         self._seen = np.zeros(trials, types.dtype)
         self._clock[[stride.FIRST, stride.KEY_LOW, stride.KEY_HIGH]] = np.array(
             [self.trial, *rng.seed_words(self.seed)], np.uint32
         ).view(np.int32)
         self._ready: dict[str, Callable[..., None]] = {}
+        if self._kernels.starts:
+            self._revise("begin", self._prey)
+        if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
+            self._revise("face", self._predators)
         self._judge(0)
 
     @property
@@ -198,8 +196,11 @@ class Crowds:
         prey, rows = self._prey, self._layout.rows
         if rows.seen in prey.kept:
             self._seen[:] = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
-        arrays = (prey.grid.agents, prey.grid.whole, prey.cold.ravel())
-        self._launch("remember", *arrays, *self._tools, self._seen, prey.grid.count)
+        self._revise("remember", prey)
+
+    def _revise(self, name: str, crowd: Crowd) -> None:
+        arrays = (crowd.grid.agents, crowd.grid.whole, crowd.cold.ravel())
+        self._launch(name, *arrays, *self._tools, self._seen, crowd.grid.count)
 
     def _judge(self, moved: int) -> None:
         """Let agents die and arrive, and take them out of their cells."""
@@ -233,7 +234,7 @@ class Crowds:
             if predators.row(self._layout.rows.alive).sum() != hunters:
                 self._cull("predators")
         over = (self.counts[:, ALIVE] == 0) | (self.age >= self.ticks)
-        self.ended_at[over & ~self.ended] = self.age
+        self.ended_at[over & ~self.ended] = min(self.age, self.ticks)
         self.ended |= over
 
     def _cull(self, kind: str) -> None:

@@ -29,9 +29,14 @@ def by_grid(scenario: Scenario) -> bool:
     if chosen == "auto" and (most > MOST_PAIRED or (_pays(scenario) and not _refused(scenario))):
         check(scenario)
         return True
+    check_pairs(most)
+    return False
+
+
+def check_pairs(most: int) -> None:
+    """Raise ScenarioError for more agents of a kind than anybody waits for."""
     if most > MOST_PAIRED:
         raise ScenarioError(f"world.neighbours: all pairs of {most:,} agents are too many to compare; set it to 'grid'")
-    return False
 
 
 def _pays(scenario: Scenario) -> bool:

@@ -162,60 +162,50 @@ def build(
                 plain_block(prey, scratch, numbers, 0, block)
             near.prey.arrange(agents, whole)
 
-    @ti.kernel
-    def begin(agents: near.prey.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, count: ti.i32):
-        """Give the prey's memory its first values, and headings to unicycles."""
-        for index in range(LOOP):
-            if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, cold=cold)
-                a = index // TASK * deep
-                first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
-                for block in range(first, last):
-                    end = end_of(prey, near.prey.alive_end, block)
-                    if end > block * LANES:
-                        me, _ = carried["prey"].load(scratch, a, prey, numbers, count, block, end)
-                        fresh = lanes(1.0) > 0.5
-                        driven.begin(scratch, a, me, numbers, 0, fresh)
-                        if ti.static("prey" in frame.unicycles):
-                            steps.prey.face(scratch, a, fresh)
-                        carried["prey"].save_rows(scratch, a, prey, count, block, end)
-                        carried["prey"].save_shown(scratch, a, prey, block, end)
+    def revises(kind: str, revise):
+        """Build a kernel that lets `revise` change what agents of a kind remember."""
+        ferry, funcs = carried[kind], getattr(near, kind)
 
-    @ti.kernel
-    def face(
-        agents: near.predators.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, count: ti.i32
-    ):
-        """Let predators that are unicycles head where they move."""
-        for _ in range(1):
-            predators = Together(agents=agents, whole=whole, cold=cold)
-            for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
-                end = end_of(predators, near.predators.alive_end, block)
-                if end > block * LANES:
-                    carried["predators"].load(scratch, 0, predators, numbers, count, block, end)
-                    steps.predators.face(scratch, 0, lanes(1.0) > 0.5)
-                    carried["predators"].save_rows(scratch, 0, predators, count, block, end)
+        @ti.kernel
+        def revised(
+            agents: funcs.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, seen: cold_array,
+            count: ti.i32,
+        ):  # fmt: skip
+            for index in range(LOOP):
+                if index % TASK == 0:
+                    crowd = Together(agents=agents, whole=whole, cold=cold)
+                    a = index // TASK * deep
+                    first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                    for block in range(first, last):
+                        end = end_of(crowd, funcs.alive_end, block)
+                        if end > block * LANES:
+                            me, _ = ferry.load(scratch, a, crowd, numbers, count, block, end)
+                            revise(scratch, a, me, numbers, lanes(seen[block * LANES // whole[SLOTS]]))
+                            ferry.save_rows(scratch, a, crowd, count, block, end)
+                            ferry.save_shown(scratch, a, crowd, block, end)
 
-    @ti.kernel
-    def remember(
-        agents: near.prey.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, seen: cold_array,
-        count: ti.i32,
-    ):  # fmt: skip
-        """Let strategies update the prey's memory. seen: [trial], how many predators all prey together saw in the last move."""
-        for index in range(LOOP):
-            if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, cold=cold)
-                a = index // TASK * deep
-                first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
-                for block in range(first, last):
-                    end = end_of(prey, near.prey.alive_end, block)
-                    if end > block * LANES:
-                        me, _ = carried["prey"].load(scratch, a, prey, numbers, count, block, end)
-                        driven.remember(scratch, a, me, numbers, 0, lanes(seen[block * LANES // whole[SLOTS]]))
-                        carried["prey"].save_rows(scratch, a, prey, count, block, end)
-                        carried["prey"].save_shown(scratch, a, prey, block, end)
+        return revised
+
+    @ti.func
+    def begin(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):  # noqa: ARG001 - as its sisters
+        """Give a prey's memory its first values, and a heading to a unicycle."""
+        fresh = lanes(1.0) > 0.5
+        driven.begin(scratch, a, me, numbers, 0, fresh)
+        if ti.static("prey" in frame.unicycles):
+            steps.prey.face(scratch, a, fresh)
+
+    @ti.func
+    def face(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):  # noqa: ARG001 - as its sisters
+        """Let a predator that is a unicycle head where it moves."""
+        steps.predators.face(scratch, a, lanes(1.0) > 0.5)
+
+    @ti.func
+    def remember(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):
+        """Update a prey's memory. seen: how many predators all prey of its trial together saw in the last move."""
+        driven.remember(scratch, a, me, numbers, 0, seen)
 
     def drifts(kind: str):
-        funcs, columns = getattr(near, kind), getattr(layout.at, kind)
+        funcs = getattr(near, kind)
 
         @ti.kernel
         def drift(agents: funcs.agent_array, whole: whole_array, reals: funcs.real_array, numbers: flat):
@@ -231,8 +221,6 @@ def build(
                         size = numbers[layout.at.size[k]][0]
                         moved[k] = moved[k] - size * ti.floor(moved[k] / size)
                         moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
-                    if ti.static(frame.boundary == "walls"):
-                        moved[k] = ti.max(ti.min(moved[k], numbers[layout.at.size[k]][0]), -numbers[columns.radius][0])
                 place = whole[CELLS] - 1
                 if slot < funcs.alive_end(whole, trial):
                     place = funcs.place_of(moved, whole, reals)
@@ -295,9 +283,9 @@ def build(
         move_predators=kernel_of("predators", move_predator_block) if layout.structure.hunted else None,
         move_plain=move_plain,
         run_plain=run_plain,
-        begin=begin,
-        face=face,
-        remember=remember,
+        begin=revises("prey", begin),
+        face=revises("predators", face),
+        remember=revises("prey", remember),
         drift_prey=drifts("prey"),
         drift_predators=drifts("predators"),
         average=average,

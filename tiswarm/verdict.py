@@ -217,50 +217,47 @@ def build(
                 predators = Together(agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold)
                 obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
                 chunk = index // TASK
+                moved = ti.cast(clock[MOVED], real)
                 begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    crash_prey(prey, obstacles, scratch, chunk * deep, numbers, block, prey_count, ti.cast(clock[MOVED], real))
+                    crash_prey(prey, obstacles, scratch, chunk * deep, numbers, block, prey_count, moved)
                 if ti.static(hunted):
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * deep
-                        crash_predators(
-                            predators, obstacles, scratch, a, numbers, block, predator_count, ti.cast(clock[MOVED], real)
-                        )
+                        crash_predators(predators, obstacles, scratch, chunk * deep, numbers, block, predator_count, moved)
         for index in range(LOOP):
             if index % TASK == 0:  # noqa: SIM102 - one branch at run time, one at compile time
                 if ti.static(hunted and frame.contact in ("deadly", "eaten")):
                     prey = Together(agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold)
                     predators = Together(agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold)
                     chunk = index // TASK
+                    moved = ti.cast(clock[MOVED], real)
                     begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * deep
                         touch_predators(
                             prey,
                             predators,
                             scratch,
-                            a,
+                            chunk * deep,
                             numbers,
                             block,
                             prey_count,
                             predator_count,
-                            ti.cast(clock[MOVED], real),
+                            moved,
                             prey_marks,
                         )
                     begin, end = share_of(chunk, predator_whole[SLOTS] * predator_whole[TRIALS] // LANES)
                     for block in range(begin, end):
-                        a = chunk * deep
                         touch_prey(
                             predators,
                             prey,
                             scratch,
-                            a,
+                            chunk * deep,
                             numbers,
                             block,
                             predator_count,
                             prey_count,
-                            ti.cast(clock[MOVED], real),
+                            moved,
                             predator_marks,
                         )
         for index in range(LOOP):
@@ -268,6 +265,7 @@ def build(
                 prey = Together(agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold)
                 predators = Together(agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold)
                 chunk = index // TASK
+                moved = ti.cast(clock[MOVED], real)
                 begin, end = share_of(chunk, prey_whole[SLOTS] * prey_whole[TRIALS] // LANES)
                 for block in range(begin, end):
                     settle_prey(
@@ -277,7 +275,7 @@ def build(
                         numbers,
                         block,
                         prey_count,
-                        ti.cast(clock[MOVED], real),
+                        moved,
                         prey_marks,
                         tally,
                     )
