@@ -9,12 +9,12 @@ _HOMES = {
     "poster": "films",
     "sheet": "films",
     "Film": "films",
-    "Field": "world",
-    "Live": "live",
+    "Field": "scene.background",
+    "Live": "source",
     "FilmError": "encoder",
     "QUALITIES": "encoder",
-    "Look": "look",
-    "OVERLAYS": "look",
+    "Look": "style",
+    "OVERLAYS": "style",
     "Theme": "theme",
     "THEMES": "theme",
 }
@@ -38,10 +38,10 @@ __all__ = [
 if TYPE_CHECKING:
     from render.encoder import QUALITIES, FilmError
     from render.films import Film, film, frames, poster, sheet
-    from render.live import Live
-    from render.look import OVERLAYS, Look
+    from render.scene.background import Field
+    from render.source import Live
+    from render.style import OVERLAYS, Look
     from render.theme import THEMES, Theme
-    from render.world import Field
 
 
 def __getattr__(name: str) -> Any:

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from render.plate import Plate
-from tiswarm.files import replacing
+from render.raster.framebuffer import Plate
+from tiswarm.system.files import replacing
 
 PLATES = 2
 """One is drawn on while the other is written. More would help nobody, for the encoder has a queue of its own; but they would

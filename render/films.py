@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from render.composition import Stage, Subject
 from render.encoder import FilmError, encoder, format_of
-from render.look import look_of
-from render.stage import Stage, Subject
-from render.world import Field
-from tiswarm import __version__
-from tiswarm.files import replacing
+from render.scene.background import Field
+from render.style import look_of
+from tiswarm.system.files import replacing
+from tiswarm.version import __version__
 
 Progress = Callable[[int, int], None]
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from render.shapes import Colour, colour
+from render.raster.shapes import Colour, colour
 
 
 @dataclass(frozen=True)

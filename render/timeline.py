@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from render.motion import Motion
-from tiswarm.recording import Recording
+from render.scene.trajectories import Motion
+from tiswarm.records.recording import Recording
 
 HOLD = 1.0
 """How long the last state stays on the screen [s]."""

@@ -1,79 +1,19 @@
 """The rules of the house: who may import whom, and that start-up stays light."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+WITHOUT_TAICHI = ("system", "scenario", "strategies/registry.py", "space/cells.py")
 
-# Each file imports only from files above it (CONTRIBUTING, "The house").
-ORDER = [
-    "files",
-    "registry",
-    "explain",
-    "fit",
-    "scenario",
-    "start",
-    "presets",
-    "neighbours",
-    "runtime",
-    "lanes",
-    "rng",
-    "launch",
-    "cells",
-    "places",
-    "walks",
-    "sorting",
-    "grid",
-    "flocking",
-    "partition",
-    "exchange",
-    "clustering",
-    "yardstick",
-    "avoidance",
-    "prey",
-    "predators",
-    "layout",
-    "spawn",
-    "observe",
-    "traps",
-    "measure",
-    "contact",
-    "sense",
-    "step",
-    "drive",
-    "move",
-    "trials",
-    "carry",
-    "visit",
-    "stride",
-    "verdict",
-    "seeds",
-    "progress",
-    "results",
-    "recording",
-    "states",
-    "crowds",
-    "swarm",
-    "batch",
-    "deadlocks",
-    "metrics",
-    "single",
-    "axes",
-    "designs",
-    "ledger",
-    "intervals",
-    "game",
-    "report",
-    "contest",
-    "studies",
-    "sheets",
-    "tables",
-    "throughput",
-    "cli",
-    "__main__",
-]
+
+def _ladder() -> list[str]:
+    """Read the packages from CONTRIBUTING's table, lowest first."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    return re.findall(r"^\| `(\w+)/` \|", text, re.MULTILINE)
 
 
 def _imports(file: Path) -> set[str]:
@@ -88,41 +28,48 @@ def _imports(file: Path) -> set[str]:
     return {name for name in found if name.split(".")[0] in ("tiswarm", "render")}
 
 
-def _home(name: str) -> str | None:
+def _package(name: str, ladder: list[str]) -> str | None:
+    """Give the package of a module's name, None for what stands beside the packages (the public names, the version)."""
     parts = name.split(".")
-    return parts[1] if len(parts) > 1 and parts[1] in ORDER else None
+    if parts[0] == "render":
+        return "render"
+    return parts[1] if len(parts) > 1 and parts[1] in ladder else None
 
 
-def test_every_file_has_its_place_in_the_order():
-    names = {file.stem for file in (ROOT / "tiswarm").glob("*.py")} | {
-        file.parent.name for file in (ROOT / "tiswarm").glob("*/*.py")
-    }
-    assert names - {"__init__", "tiswarm"} == set(ORDER)
+def test_every_package_has_its_place_in_contributing():
+    packages = {folder.parent.name for folder in (ROOT / "tiswarm").glob("*/__init__.py")}
+    ladder = _ladder()
+    assert sorted(ladder) == sorted(packages | {"render"})
+    assert ladder[-1] == "cli"
 
 
-def test_each_file_imports_only_from_files_above_it():
-    for file in (ROOT / "tiswarm").rglob("*.py"):
-        own = file.stem if file.parent.name == "tiswarm" else file.parent.name
-        if own == "__init__":
-            continue
-        for name in _imports(file):
-            home = _home(name)
-            if home is not None and home != own:
-                assert ORDER.index(home) < ORDER.index(own), f"{file.name} imports {name}"
+def test_the_table_says_what_each_package_says_of_itself():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    for package in _ladder():
+        folder = ROOT / package if package == "render" else ROOT / "tiswarm" / package
+        first = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))).splitlines()[0]
+        assert f"| `{package}/` | {first.partition(': ')[2]} |" in text, package
 
 
-def test_only_the_command_line_knows_render():
-    for file in (ROOT / "tiswarm").rglob("*.py"):
-        if file.parent.name != "cli":
-            assert not any(name.startswith("render") for name in _imports(file)), file
+def test_a_package_imports_only_from_those_above_it():
+    ladder = _ladder()
+    for file in [*(ROOT / "tiswarm").rglob("*.py"), *(ROOT / "render").rglob("*.py")]:
+        own = _package(".".join(file.relative_to(ROOT).with_suffix("").parts), ladder)
+        for name in _imports(file) if own else ():
+            other = _package(name, ladder)
+            if other is not None and other != own:
+                assert ladder.index(other) < ladder.index(own), f"{file.relative_to(ROOT)} imports {name}"
+                assert {own, other} != {"studies", "render"}, f"{file.relative_to(ROOT)} imports {name}"
 
 
-def test_render_knows_recordings_and_little_else():
-    # lanes: what the compiler makes one instruction of is the same for pictures as for terms.
-    allowed = {"recording", "metrics", "files", "runtime", "lanes", None}
-    for file in (ROOT / "render").rglob("*.py"):
-        homes = {_home(name) for name in _imports(file) if name.startswith("tiswarm")}
-        assert homes <= allowed, file
+def test_what_is_read_before_a_run_imports_no_taichi():
+    for place in WITHOUT_TAICHI:
+        path = ROOT / "tiswarm" / place
+        for file in path.rglob("*.py") if path.is_dir() else [path]:
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            modules = [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
+            modules += [node.module for node in tree.body if isinstance(node, ast.ImportFrom)]
+            assert not any(name.split(".")[0] == "taichi" for name in modules), file
 
 
 def test_listing_and_help_do_not_wait_for_taichi():

@@ -4,24 +4,24 @@ import importlib
 import os
 from typing import TYPE_CHECKING, Any
 
+from tiswarm.version import __version__
+
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")
 
-__version__ = "0.1.0"
-
 _HOMES = {
-    "init": "runtime",
-    "load": "presets",
-    "Scenario": "scenario",
-    "ScenarioError": "explain",
-    "add_path": "registry",
-    "Start": "start",
-    "simulate": "batch",
-    "record": "single",
-    "Results": "results",
-    "Estimate": "results",
-    "compare": "results",
-    "Recording": "recording",
-    "Swarm": "swarm",
+    "init": "simd.runtime",
+    "load": "scenario.presets",
+    "Scenario": "scenario.model",
+    "ScenarioError": "scenario.errors",
+    "add_path": "strategies.registry",
+    "Start": "scenario.start",
+    "simulate": "engine.trials.batch",
+    "record": "engine.trials.trial",
+    "Results": "records.results",
+    "Estimate": "records.results",
+    "compare": "records.results",
+    "Recording": "records.recording",
+    "Swarm": "engine.swarms.simulation",
 }
 
 __all__ = [
@@ -42,17 +42,17 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from tiswarm.batch import simulate
-    from tiswarm.explain import ScenarioError
-    from tiswarm.presets import load
-    from tiswarm.recording import Recording
-    from tiswarm.registry import add_path
-    from tiswarm.results import Estimate, Results, compare
-    from tiswarm.runtime import init
-    from tiswarm.scenario import Scenario
-    from tiswarm.single import record
-    from tiswarm.start import Start
-    from tiswarm.swarm import Swarm
+    from tiswarm.engine.swarms.simulation import Swarm
+    from tiswarm.engine.trials.batch import simulate
+    from tiswarm.engine.trials.trial import record
+    from tiswarm.records.recording import Recording
+    from tiswarm.records.results import Estimate, Results, compare
+    from tiswarm.scenario.errors import ScenarioError
+    from tiswarm.scenario.model import Scenario
+    from tiswarm.scenario.presets import load
+    from tiswarm.scenario.start import Start
+    from tiswarm.simd.runtime import init
+    from tiswarm.strategies.registry import add_path
 
 
 def __getattr__(name: str) -> Any:

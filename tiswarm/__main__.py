@@ -2,7 +2,7 @@
 
 import sys
 
-from tiswarm.progress import INTERRUPTED, listen_for_interrupts
+from tiswarm.system.progress import INTERRUPTED, listen_for_interrupts
 
 
 def main() -> None:

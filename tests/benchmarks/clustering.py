@@ -9,8 +9,9 @@ import csv
 import time
 from pathlib import Path
 
-from tiswarm import load, runtime, simulate
-from tiswarm.results import processor
+from tiswarm import load, simulate
+from tiswarm.records.results import processor
+from tiswarm.simd import runtime
 
 ROUNDS = 5
 OUT = Path("out/benchmarks/clustering.csv")

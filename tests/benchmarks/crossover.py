@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 import tiswarm
-from tiswarm.results import processor
-from tiswarm.scenario import Scenario, validated
+from tiswarm.records.results import processor
+from tiswarm.scenario.model import Scenario, validated
 
 OUT = Path("out/benchmarks/crossover.csv")
 COUNTS = (100, 200, 400, 800, 1600)

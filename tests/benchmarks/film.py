@@ -19,11 +19,11 @@ import numpy as np
 
 import render
 import tiswarm
+from render.composition import Stage
 from render.encoder import encoder, format_of
-from render.look import Look
-from render.scene import CROWDED
-from render.stage import Stage
-from tiswarm.recording import Recording, Swarm
+from render.scene.scene import CROWDED
+from render.style import Look
+from tiswarm.records.recording import Recording, Swarm
 
 SIZE = (1920, 1080)
 FPS = 60

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import tiswarm
-from tiswarm import runtime
-from tiswarm.results import processor
+from tiswarm.records.results import processor
+from tiswarm.simd import runtime
 
 TRIALS = 1000
 OUT = Path("out/benchmarks/models.csv")

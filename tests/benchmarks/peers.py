@@ -21,9 +21,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import tiswarm
-from tiswarm.results import processor
-from tiswarm.scenario import validated
-from tiswarm.swarm import Swarm
+from tiswarm.engine.swarms.simulation import Swarm
+from tiswarm.records.results import processor
+from tiswarm.scenario.model import validated
 
 OUT = Path("out/benchmarks/peers.csv")
 COHESION, SEPARATION, MATCHING, SPACING, SPEED = 0.03, 0.015, 0.05, 1.0, 1.0

@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 import tiswarm
-from tiswarm.results import processor
-from tiswarm.scenario import Scenario, validated
-from tiswarm.swarm import Swarm
+from tiswarm.engine.swarms.simulation import Swarm
+from tiswarm.records.results import processor
+from tiswarm.scenario.model import Scenario, validated
 
 OUT = Path("out/benchmarks/swarm.csv")
 SECONDS = 6.0

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.results import compare, processor
+from tiswarm.records.results import compare, processor
 
 ROUNDS = 3
 OUT = Path("out/benchmarks/trials.csv")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.single import Single
+from tiswarm.engine.trials.trial import Single
 
 MAX_SPEED = 3.0
 LENGTH = 15.0

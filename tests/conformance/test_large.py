@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm import registry
-from tiswarm.layout import Structure
-from tiswarm.single import Single
-from tiswarm.swarm import Swarm
+from tiswarm.dynamics.table import Structure
+from tiswarm.engine.swarms.simulation import Swarm
+from tiswarm.engine.trials.trial import Single
+from tiswarm.strategies import registry
 
 TICKS = 50
 NEAR = 1e-9  # sums run in another order, and that is all

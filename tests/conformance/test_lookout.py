@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 import tiswarm
-from tiswarm.single import Single
+from tiswarm.engine.trials.trial import Single
 
 ONE = {"prey.separation": 0, "prey.cohesion": 0, "prey.alignment": 0, "prey.goal": 0}
 

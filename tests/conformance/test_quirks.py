@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.single import Single
+from tiswarm.engine.trials.trial import Single
 
 pytestmark = pytest.mark.usefixtures("f64")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.single import Single
+from tiswarm.engine.trials.trial import Single
 
 LOWEST = {4: 6.292365, 5: 11.104647, 6: 16.965213, 7: 24.331690}
 

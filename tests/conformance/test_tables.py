@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tiswarm.designs import load_study
-from tiswarm.sheets import against_published
-from tiswarm.studies import run_study
+from tiswarm.studies.design import load_study
+from tiswarm.studies.export import against_published
+from tiswarm.studies.run import run_study
 
 pytestmark = pytest.mark.usefixtures("f32")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.recording import Recording, Swarm
+from tiswarm.records.recording import Recording, Swarm
 
 Maker = Callable[..., Recording]
 

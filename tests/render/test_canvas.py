@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from render import shapes
-from render.canvas import Canvas
-from render.text import Atlas
+from render.raster import shapes
+from render.raster.canvas import Canvas
+from render.raster.glyphs import Atlas
 
 OFFSETS = [(0.0, 0.0), (0.25, 0.6), (0.5, 0.5), (0.77, 0.31)]
 WHITE = (1.0, 1.0, 1.0)

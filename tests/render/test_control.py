@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 import render
-from render.look import Look
-from render.stage import Stage
-from tiswarm.recording import Recording
+from render.composition import Stage
+from render.style import Look
+from tiswarm.records.recording import Recording
 
 FOLDER = Path(__file__).parent / "control"
 SIZE = (320, 180)

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import render.scene
-from render import shapes
-from render.canvas import Canvas
-from render.density import _counted
-from render.look import Look
-from render.stage import Stage
-from render.text import Atlas
-from tiswarm.recording import Recording
+import render.scene.scene
+from render.composition import Stage
+from render.raster import shapes
+from render.raster.canvas import Canvas
+from render.raster.glyphs import Atlas
+from render.scene.density import _counted
+from render.style import Look
+from tiswarm.records.recording import Recording
 
 SIZE = (320, 180)
 

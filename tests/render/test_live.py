@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import render
-from render.look import Look
-from render.motion import Motion
-from render.stage import Stage
-from tiswarm.recording import Recording, Swarm
+from render.composition import Stage
+from render.scene.trajectories import Motion
+from render.style import Look
+from tiswarm.records.recording import Recording, Swarm
 
 SIZE = (320, 180)
 

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.motion import Motion
+from render.scene.trajectories import Motion
 from render.timeline import HOLD, times
-from tiswarm.recording import Recording
+from tiswarm.records.recording import Recording
 
 
 def along(paths: Motion, times) -> np.ndarray:

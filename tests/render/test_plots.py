@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import tiswarm
-from render import figures, plots
+from render.plots import figure, time_series
 
 FILES = ["positions.png", "velocities.png", "neighbours.png", "velocity-sum.png"]
 
@@ -47,12 +47,12 @@ def test_every_preset_gets_its_plots_with_labels_and_units(preset, tmp_path, dra
     scenario = tiswarm.load(preset, settings)
     grid = bool(scenario.coverage.cell)
     recordings = [tiswarm.record(scenario, trial) for trial in range(3 if grid else 1)]
-    files = plots.draw(recordings, tmp_path)
+    files = time_series.draw(recordings, tmp_path)
     assert [file.name for file in files] == FILES + ["coverage.png"] * grid
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted(file.name for file in files)  # nothing half-written
     for file in files:
         width, height = Image.open(file).size
-        assert width == 8 * figures.DPI
+        assert width == 8 * figure.DPI
         assert height > 500
     axes = "xyz"[:dim]
     assert [labels for labels, *_ in drawn[:4]] == [
@@ -67,7 +67,7 @@ def test_every_preset_gets_its_plots_with_labels_and_units(preset, tmp_path, dra
 
 def test_lines_are_the_recording(tmp_path, drawn):
     recording = tiswarm.record(tiswarm.load("sanitation/potential", {"world.ticks": 30, "measures.after": 0}))
-    plots.draw([recording], tmp_path)
+    time_series.draw([recording], tmp_path)
     lines = drawn[0][3]
     assert len(lines) == 6
     np.testing.assert_allclose(lines[2][:, 1], recording.prey.position[:, 2, 0])
@@ -79,7 +79,7 @@ def test_lines_are_the_recording(tmp_path, drawn):
 
 def test_paths_are_broken_at_periodic_edges(tmp_path, drawn):
     recording = tiswarm.record(tiswarm.load("m20/two-swallows"))
-    plots.draw([recording], tmp_path)
+    time_series.draw([recording], tmp_path)
     for line in drawn[0][3]:
         steps = np.abs(np.diff(line[:, 1]))
         assert np.nanmax(steps) < 1
@@ -89,7 +89,7 @@ def test_paths_are_broken_at_periodic_edges(tmp_path, drawn):
 def test_coverage_shows_trials_their_mean_and_when_it_passed_a_half(tmp_path, drawn):
     scenario = tiswarm.load("sanitation/arena", {"world.ticks": 60, "coverage.tool": 0.5})
     recordings = [tiswarm.record(scenario, trial) for trial in range(3)]
-    plots.draw(recordings, tmp_path)
+    time_series.draw(recordings, tmp_path)
     *trials, mean, marks = drawn[4][3]
     assert len(trials) == 3
     np.testing.assert_allclose(mean[:, 1], np.mean([line[:, 1] for line in trials], axis=0))
@@ -99,14 +99,14 @@ def test_coverage_shows_trials_their_mean_and_when_it_passed_a_half(tmp_path, dr
 
 
 def test_one_robot_has_plots_too(tmp_path, drawn):
-    plots.draw([tiswarm.record(tiswarm.load("sanitation/arena", {"world.ticks": 5, "prey.count": 1}))], tmp_path)
+    time_series.draw([tiswarm.record(tiswarm.load("sanitation/arena", {"world.ticks": 5, "prey.count": 1}))], tmp_path)
     assert len(drawn) == 5
 
 
 def test_without_matplotlib_one_line_says_how_to_get_it(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(ModuleNotFoundError, match=r"pip install 'tiswarm\[plot\]'"):
-        plots.check_matplotlib()
+        time_series.check_matplotlib()
 
 
 def _run(*arguments, cwd=None, code="import tiswarm.__main__ as m; m.main()"):

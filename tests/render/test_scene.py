@@ -9,12 +9,12 @@ import pytest
 
 import render
 import tiswarm
-from render.canvas import Canvas
-from render.look import Look
-from render.shapes import NONE, colour, encoded
-from render.stage import Stage
-from render.strip import Strip
-from render.text import Atlas
+from render.captions.strip import Strip
+from render.composition import Stage
+from render.raster.canvas import Canvas
+from render.raster.glyphs import Atlas
+from render.raster.shapes import NONE, colour, encoded
+from render.style import Look
 
 SIZE = (480, 270)
 
@@ -111,7 +111,7 @@ def test_nothing_that_moves_is_drawn_on_the_panel(make):
 
 
 def test_several_recordings_are_named_by_what_differs(make):
-    from render.mosaic import labels_of
+    from render.captions.mosaic import labels_of
 
     assert labels_of([make(trial=n) for n in (2, 5)]) == ["trial 2", "trial 5"]
     ways = [make(), make()]

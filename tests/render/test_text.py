@@ -1,6 +1,6 @@
 import numpy as np
 
-from render.text import Atlas, plain, width, wrapped
+from render.raster.glyphs import Atlas, plain, width, wrapped
 
 
 def test_letters_that_the_face_lacks_become_plain_ones():

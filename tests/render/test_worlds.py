@@ -5,14 +5,14 @@ import pytest
 
 import render
 import tiswarm
-from render.caption import counters
-from render.coverage import Cells
-from render.live import is_sky
-from render.look import Look
-from render.stage import Stage
-from render.world import Field
-from tiswarm import metrics
-from tiswarm.recording import Recording, Swarm
+from render.captions.caption import counters
+from render.composition import Stage
+from render.scene.background import Field
+from render.scene.coverage import Cells
+from render.source import is_sky
+from render.style import Look
+from tiswarm.measures import recorded
+from tiswarm.records.recording import Recording, Swarm
 
 SIZE = (400, 240)
 NOBODY = Swarm(
@@ -187,7 +187,7 @@ def test_the_share_in_the_caption_is_the_measure():
     recording = world(path(position, np.array([1.0, 0.0])), obstacles=2, **grid)
     stage = Stage(recording, SIZE, Look(), yuv=False)
     stage.frame(30.0, stage.canvas.blank())
-    coverage, measured = stage.scene.coverage, metrics.coverage(recording)
+    coverage, measured = stage.scene.coverage, recorded.coverage(recording)
     assert coverage is not None
     for tick in (0, 7, 15, 30):
         assert coverage.share(tick) == pytest.approx(measured[tick])

@@ -1,4 +1,4 @@
-"""The command line: the only package that knows both tiswarm and render. Heavy imports wait until a verb needs them."""
+"""Command line: one file a verb, and the only package that knows both tiswarm and render. Heavy imports wait for a verb."""
 
 from tiswarm.cli.entry import main
 

@@ -36,31 +36,31 @@ def bench(
     quiet: Quiet = False,
 ) -> None:
     """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
-    from tiswarm import designs, sheets, studies, tables
-    from tiswarm.cli import charts
-    from tiswarm.cli.live import watching
-    from tiswarm.contest import contest
-    from tiswarm.results import write_text
+    from tiswarm.cli import figures as charts
+    from tiswarm.cli.progress_table import watching
+    from tiswarm.records.results import write_text
+    from tiswarm.studies import console, design, export, run
+    from tiswarm.studies.payoffs import contest
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
     if parquet:
-        sheets.check_parquet()
+        export.check_parquet()
     drawn = charts.chosen(figures)
     start(seed or 0, threads, precision, strategy_path)
-    stated = designs.load_study(study)
+    stated = design.load_study(study)
     folder = output or Path("out") / Path(study).stem
     overrides = dict(assignment(each) for each in sets or [])
     with watching(not quiet, stated.measures) as (report_trials, finished):
-        report = studies.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
-    sheets.write(report, folder, per_trial, parquet)
+        report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
+    export.write(report, folder, per_trial, parquet)
     played = contest(report)
     if played is not None:
         write_text(folder / "game.json", played.to_json())
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
         charts.draw(report, folder, played)
-    tables.print_report(report, out, played)  # last: a reader such as head may have seen enough
+    console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
         runs = sum(row.trials for row in report.rows)
         held = len(report.rows) - report.ran

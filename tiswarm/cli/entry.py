@@ -9,11 +9,11 @@ import typer
 
 from tiswarm import __version__
 from tiswarm.cli.bench import bench
+from tiswarm.cli.catalogue import presets, show
 from tiswarm.cli.film import demo, film
 from tiswarm.cli.options import out
 from tiswarm.cli.run import run, speed
-from tiswarm.cli.shelf import presets, show
-from tiswarm.progress import INTERRUPTED, heed_interrupts, listen_for_interrupts
+from tiswarm.system.progress import INTERRUPTED, heed_interrupts, listen_for_interrupts
 
 app = typer.Typer(
     name="tiswarm",

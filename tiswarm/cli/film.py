@@ -24,7 +24,7 @@ from tiswarm.cli.options import (
     pair,
     start,
 )
-from tiswarm.progress import begin_work, reporting
+from tiswarm.system.progress import begin_work, reporting
 
 
 def film(
@@ -89,7 +89,7 @@ def film(
     if source.endswith(".json"):
         if sets or grid or versus or seed:
             raise WrongInput(f"{source}: a study's trials are what they are; drop --set, --grid, --versus and --seed")
-        from tiswarm.cli.rebuilt import Rebuilt
+        from tiswarm.cli.rerun import Rebuilt
 
         study = Rebuilt(Path(source))
         start(0, threads, study.precision, strategy_path)
@@ -111,7 +111,7 @@ def film(
 def _played(scenario: Any, trial: int, seed: int) -> Any:
     """Give a trial to film: a recording, or a large swarm that runs while it is filmed."""
     import tiswarm
-    from tiswarm.neighbours import by_grid
+    from tiswarm.engine.choice import by_grid
 
     if by_grid(scenario):
         return tiswarm.Swarm(scenario, seed, trial=trial)
@@ -140,7 +140,7 @@ def _middle(subject: Any) -> float | None:
 def _field(subject: Any) -> Any:
     """Sample the field of the obstacles of one recording, to be drawn as arrows."""
     import render
-    from tiswarm.single import field
+    from tiswarm.engine.trials.trial import field
 
     if isinstance(subject, list) or _is_live(subject):
         raise WrongInput("--overlay field: needs one recorded trial; film one, of few agents")

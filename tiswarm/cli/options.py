@@ -37,7 +37,7 @@ class WrongInput(ValueError):
 def start(seed: int, threads: int | None, precision: str, strategy_path: list[Path] | None = None) -> None:
     """Check what every verb takes, and start Taichi."""
     import tiswarm
-    from tiswarm.rng import seed_words
+    from tiswarm.simd.philox import seed_words
 
     for folder in strategy_path or []:
         tiswarm.add_path(folder)

@@ -21,7 +21,7 @@ from tiswarm.cli.options import (
     out,
     start,
 )
-from tiswarm.progress import reporting
+from tiswarm.system.progress import reporting
 
 SWEEPS = 6
 """Trials whose swept ground is drawn: each runs again, tick by tick."""
@@ -48,8 +48,8 @@ def run(
 ) -> None:
     """Run many trials of a scenario and print what came out."""
     import tiswarm
-    from tiswarm import tables
-    from tiswarm.files import check_writable
+    from tiswarm.studies import console
+    from tiswarm.system.files import check_writable
 
     start(seed, threads, precision, strategy_path)
     scenario = load_scenario(preset, sets)
@@ -65,7 +65,7 @@ def run(
     if as_json:
         sys.stdout.write(results.summary_json() + "\n")
     else:
-        tables.print_summary(results, out)
+        console.print_summary(results, out)
         if not quiet:
             out.print(f"{trials:,} trials in {seconds:.2f} s, seed {seed}" + (f"; written to {output}" if output else ""))
     if plots is not None:
@@ -76,7 +76,7 @@ def run(
 
 def _plots_folder(preset: str, output: Path | None) -> Path:
     """Say where plots go. Errors: WrongInput when there is nothing to draw them with."""
-    from render.plots import check_matplotlib
+    from render.plots.time_series import check_matplotlib
 
     try:
         check_matplotlib()
@@ -89,7 +89,7 @@ def _plots_folder(preset: str, output: Path | None) -> Path:
 def _plot(scenario: Any, seed: int, trials: int, folder: Path, quiet: bool) -> list[Path]:
     """Draw trial 0, and the ground that the first trials sweep."""
     import tiswarm
-    from render.plots import draw
+    from render.plots.time_series import draw
 
     count = min(trials, SWEEPS) if scenario.coverage.cell else 1
     recordings = []
@@ -107,8 +107,9 @@ def speed(
     quiet: Quiet = False,
 ) -> None:
     """Measure this machine's throughput, with the work stated."""
-    from tiswarm import results, runtime
-    from tiswarm.throughput import WORK, measure
+    from tiswarm.engine.throughput import WORK, measure
+    from tiswarm.records import results
+    from tiswarm.simd import runtime
 
     start(seed, threads, precision)
     table = Table(title=f"{results.processor()}, {runtime.start().threads} threads, {precision}", title_justify="left")

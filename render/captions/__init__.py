@@ -1,0 +1,1 @@
+"""Captions: words beside the action."""

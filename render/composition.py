@@ -1,0 +1,204 @@
+"""A stage: one subject, or several side by side, on one canvas, with their cameras and captions."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from render.captions.caption import counters
+from render.captions.layout import Box, layout
+from render.captions.mosaic import Mosaic, beside, cells, labels_of
+from render.captions.panel import Panel
+from render.captions.strip import Strip
+from render.raster.framebuffer import Plate
+from render.raster.glyphs import Atlas
+from render.raster.shapes import NONE, WINDOW
+from render.scene import background
+from render.scene.background import Field
+from render.scene.camera import Camera, Orbit, joint
+from render.scene.rigs import Operator, View, apparent, bounds, fitted, heights, operator
+from render.scene.scene import Scene
+from render.source import Live, is_sky
+from render.style import Look
+from render.timeline import length, times
+from tiswarm.records.recording import Recording
+
+WIDE = 990
+"""Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
+
+STRAY, STRAY_TOGETHER = 0.5, 0.04
+"""How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared.
+
+Starts are always shown."""
+
+Subject = Recording | Live | Sequence[Recording | Live]
+
+
+class Stage:
+    """What a film of one subject, or of several, shows."""
+
+    def __init__(
+        self,
+        subject: Subject,
+        size: tuple[int, int],
+        look: Look,
+        *,
+        yuv: bool,
+        labels: Sequence[str] | None = None,
+        field: Field | None = None,
+    ):
+        """Set everything up; a still camera's ground is laid once and for all.
+
+        labels: names of several subjects, by default what tells them apart. field: arrows to draw on the ground.
+
+        Errors: ValueError for no subject, another number of labels than subjects, or a live simulation that is to be looked
+        ahead in.
+        """
+        from render.raster.canvas import Canvas
+
+        subjects = [subject] if isinstance(subject, Recording | Live) else list(subject)
+        if not subjects:
+            raise ValueError("recordings: there are none; give one or more")
+        if labels is not None and len(labels) != len(subjects):
+            raise ValueError(f"labels: {len(labels)} do not fit {len(subjects)} recordings; give one each")
+        self.is_live = not all(isinstance(each, Recording) for each in subjects)
+        if look.slow and self.is_live:
+            raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
+        self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
+        self._atlas = Atlas(look.colours.type_weight)
+        self.caption: Panel | Mosaic | None = None
+        if isinstance(subject, Recording | Live):
+            self._single(subject, size)
+        else:
+            self._several(subjects, size, labels or labels_of(subjects))
+        self._still = all(each.still for each in self.operators)
+        self._joint: Camera | None = None
+        self._windows = self._cuts(size)
+        self.canvas = Canvas(size, self._atlas, yuv=yuv)
+        if self._still:
+            self.canvas.lay(self._backdrop, self._ground(0.0), self._windows)
+
+    def _cuts(self, size: tuple[int, int]) -> np.ndarray:
+        """Give the windows that shapes are cut to: for each subject one for what moves, then one for its world, and the frame.
+
+        What leaves a view must not run into its neighbour's or into the panel. What leaves a periodic world comes back on the
+        other side, and must not be seen on both.
+        """
+        edges = np.array([(b.left, b.top, b.right, b.bottom) for b in self.boxes])
+        edges = np.concatenate([np.floor(edges[:, :2]), np.ceil(edges[:, 2:])], axis=1)
+        inner = edges.copy()
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+            camera, extent = held.at(0.0), subject.scenario.world
+            if extent.boundary == "periodic" and held.still and not isinstance(camera, Orbit):
+                a, b = camera.place(np.array([(0, 0), extent.size[:2]], float))
+                inner[n, :2] = np.maximum(edges[n, :2], np.minimum(a, b))
+                inner[n, 2:] = np.minimum(edges[n, 2:], np.maximum(a, b))
+        return np.concatenate([inner, edges, [(0, 0, *size)]]).round().astype(np.float32)
+
+    def times(self, fps: int) -> Iterator[float]:
+        """Give the frames' times [ticks]; several subjects end with the longest."""
+        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+
+    def length(self, fps: int) -> int:
+        """Count the frames: of a live simulation, which may end early, the most there can be."""
+        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+
+    def frame(self, time: float, out: Plate) -> np.ndarray:
+        """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
+        shapes = np.concatenate([self.scene.frame(time, self._camera(time), self._windows), self._captioned(time)])
+        if self._still:
+            return self.canvas.draw(shapes, self._windows, out)
+        return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
+
+    def _camera(self, time: float) -> Camera:
+        """Give the camera for all agents."""
+        if self._joint is None or not self._still:
+            self._joint = joint([each.at(time) for each in self.operators], self.scene.paths.scene)
+        return self._joint
+
+    def _captioned(self, time: float) -> np.ndarray:
+        return self._in_frame(self.caption.frame(time)) if self.caption else NONE
+
+    def _in_frame(self, rows: np.ndarray) -> np.ndarray:
+        rows[:, WINDOW] = 2 * len(self.boxes)
+        return rows
+
+    def _ground(self, time: float) -> np.ndarray:
+        """Draw what stands still, as the cameras see it at a time."""
+        grounds = []
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+            window = len(self.boxes) + n
+            images = self._images(subject, held, time, self._windows[window])
+            endless = len(images) > 1 or (not held.still and is_sky(subject) and not isinstance(images[0], Orbit))
+            box = self._windows[window] if endless else None
+            unit = self.scene.unit
+            grounds.append(background.ground(subject, self._look.colours, self._atlas, unit, images, box, self._field))
+            grounds[-1][:, WINDOW] = window
+        return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
+
+    @staticmethod
+    def _images(subject: Recording | Live, held: Operator, time: float, window: np.ndarray) -> list[Camera]:
+        """Give a camera for each image of a world that can be seen: several where one follows through a periodic world."""
+        camera, extent = held.at(time), subject.scenario.world
+        if held.still or extent.boundary != "periodic" or isinstance(camera, Orbit):
+            return [camera]
+        size, images = np.array(extent.size[:2], float), []
+        for turn in ((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)):
+            moved = replace(camera, centre=camera.centre - size * turn)
+            a, b = moved.place(np.array([(0, 0), size]))
+            if (np.maximum(a, b) > window[:2]).all() and (np.minimum(a, b) < window[2:]).all():
+                images.append(moved)
+        return images
+
+    def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
+        unit = layout(size, _extent(subject)).unit
+        self.scene = Scene([subject], self._look, unit, self._atlas)
+        view = self._view(STRAY)
+        plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
+        self.boxes = [plan.stage]
+        self.operators = [operator(self._look, self.scene.paths, 0, view, plan.stage)]
+        if plan.panel:
+            self.caption = (Strip if plan.form == "strip" else Panel)(self.scene, plan, self._atlas)
+
+    def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
+        unit = min(size) / 720
+        aside = beside(subjects, labels, unit)
+        rough, _ = cells(size, len(subjects), _extent(subjects[0]), unit, aside)
+        small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
+        self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
+        view = self._view(STRAY_TOGETHER)
+        self.boxes, left = cells(size, len(subjects), (view.reach.width, view.reach.height), unit, aside)
+        self.operators = [operator(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
+        # Labels stand right beside what is drawn, which seldom fills its cell both ways.
+        shown = [_shown(view, box, left) for box in self.boxes]
+        self.caption = Mosaic(self.scene, shown, labels, size, self._atlas, unit, aside * left)
+
+    def _view(self, stray: float) -> View:
+        """Find the worlds of all subjects and whatever moves there."""
+        subjects = self.scene.subjects
+        worlds = [Box(0, 0, *_extent(subject)) for subject in subjects]
+        floors, tops = zip(*(heights(subject) for subject in subjects), strict=True)
+        reached = [bounds(self.scene.paths, n, stray) for n in range(len(subjects))]
+        return View(_around(worlds), _around(reached), min(floors), max(tops))
+
+
+def _extent(subject: Recording | Live) -> tuple[float, float]:
+    """Give a world's width and height [m]."""
+    width, height = subject.scenario.world.size[:2]
+    return width, height
+
+
+def _around(boxes: list[Box]) -> Box:
+    """Give the box that holds all boxes."""
+    return Box(min(b.left for b in boxes), min(b.top for b in boxes), max(b.right for b in boxes), max(b.bottom for b in boxes))
+
+
+def _shown(view: View, cell: Box, aside: bool) -> Box:
+    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached.
+
+    aside: the other way round, for captions that stand on its left instead of above it.
+    """
+    across, up = (view.reach, view.world) if aside else (view.world, view.reach)
+    ends = np.array([[across.left, up.top], [across.right, up.bottom]])
+    (left, bottom), (right, top) = fitted(view, cell).place(ends)
+    return Box(float(left), float(top), float(right), float(bottom))

@@ -1,0 +1,1 @@
+"""Raster: shapes in, bytes out."""

@@ -1,0 +1,106 @@
+"""A canvas: shapes in, the bytes of a frame out, again and again over the same ground."""
+
+import numpy as np
+
+from render.raster.encode import AREA, LANES, TILE
+from render.raster.framebuffer import EVERYWHERE, Plate
+from render.raster.glyphs import Atlas
+from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
+from render.raster.painter import PLANES
+from render.raster.shapes import COLUMNS, Colour
+from render.raster.tiles import HEAD
+from tiswarm.simd import runtime
+
+
+class Canvas:
+    """A picture of one size that shapes are drawn on, again and again over the same ground."""
+
+    def __init__(self, size: tuple[int, int], atlas: Atlas, *, yuv: bool):
+        """Make a black canvas.
+
+        size: width, height [px]; both even when `yuv`.
+        atlas: the ink that sprites take from.
+        yuv: write planar 4:2:0 for an encoder, else RGB.
+        """
+        runtime.start()
+        self.width, self.height = size
+        self.yuv = yuv
+        self._atlas = atlas
+        self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
+        self._bins = np.zeros(HEAD + 2 * self._tiles, np.int32)
+        self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
+        self._lanes = runtime.aligned((CONSTANTS + CHUNKS * PLANES * AREA, LANES), np.float32)
+        self._lanes[0] = np.arange(LANES)
+        self._lanes[1:CONSTANTS] = _bayer(4).reshape(AREA, LANES)
+        self._frame = np.array([[0, 0, *size]], np.float32)
+        self._empty = np.zeros((1, COLUMNS), np.float32)
+        self._grounds = 0
+
+    def blank(self) -> Plate:
+        """Allocate the bytes of one frame."""
+        pixels = self.width * self.height
+        return Plate(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
+
+    def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
+        """Make the ground that frames start from: a colour (linear light) and shapes that stand still.
+
+        windows: [window, 4], what shapes are cut to, by the number that each names: x0, y0, x1, y1 [px]; the frame when None.
+        """
+        self._grounds += 1
+        self._run(LAY, shapes, windows, self.blank(), colour)
+
+    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+        """Draw shapes over the ground on a plate that `blank` allocated; return its bytes. windows: as in `lay`.
+
+        Only what differs from what the plate shows is painted: a plate that is used again is faster than a new one.
+        """
+        if out.ground != self._grounds:
+            out.touched[:] = EVERYWHERE
+        self._run(OVER, shapes, windows, out, (0.0, 0.0, 0.0))
+        out.ground = self._grounds
+        return out.bytes
+
+    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+        """Draw all anew, a colour and shapes over it, where no ground stands still; return the plate's bytes."""
+        self._run(WHOLE, shapes, windows, out, colour)
+        out.ground = -1
+        return out.bytes
+
+    def light(self) -> np.ndarray:
+        """Give the ground in linear light: [y, x, channel]."""
+        columns = -(-self.width // TILE)
+        tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
+        return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
+
+    def _run(self, mode: int, shapes: np.ndarray, windows: np.ndarray | None, out: Plate, colour: Colour) -> None:
+        windows = self._frame if windows is None else windows
+        count, rows = len(shapes), shapes if len(shapes) else self._empty  # an empty array is no kernel argument
+        edges = np.concatenate([windows, [[*colour, 0]]], dtype=np.float32)
+        while True:
+            room = len(self._bins) - HEAD - self._tiles - 1
+            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
+            numbers = self._lanes.reshape(-1)
+            paint(
+                rows,
+                edges,
+                self._atlas.ink,
+                self._atlas.texels,
+                self._bins,
+                self._light,
+                self._lanes,
+                numbers,
+                out.whole,
+                self.yuv,
+            )
+            needed = int(self._bins[HEAD + self._tiles])
+            if needed <= room:
+                return
+            self._bins = np.zeros(HEAD + self._tiles + 1 + needed * 3 // 2, np.int32)
+
+
+def _bayer(order: int) -> np.ndarray:
+    """Build the ordered dither pattern of edge 2**order with values in 0..1."""
+    pattern = np.zeros((1, 1))
+    for _ in range(order):
+        pattern = np.block([[4 * pattern, 4 * pattern + 2], [4 * pattern + 3, 4 * pattern + 1]])
+    return (pattern + 0.5) / pattern.size

@@ -1,0 +1,143 @@
+"""Set type: strings rasterised once by Pillow's FreeType into an atlas, from which the canvas draws them as sprites."""
+
+import unicodedata
+from functools import cache, lru_cache
+from typing import Any
+
+import numpy as np
+
+from render.raster.shapes import NONE, Colour, sprites
+
+WIDTH = 1024
+GAP = 1
+_PLAIN = str.maketrans({"–": "-", "—": "-", "−": "-", "×": "x", "→": "->", "²": "2", "≥": ">=", "≤": "<=", "ß": "ss"})
+
+
+@cache
+def plain(text: str) -> str:
+    """Replace what the built-in face cannot draw by the nearest plain letters."""
+    letters = unicodedata.normalize("NFKD", text.translate(_PLAIN))
+    return "".join(c for c in letters if not unicodedata.combining(c) and (" " <= c <= "~" or c in "·…°’“”"))
+
+
+@cache
+def _face(size: int) -> Any:
+    """Load Aileron, which Pillow carries within itself: the same letters on every machine, and no font file to ship."""
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size)
+
+
+@lru_cache(4096)
+def width(text: str, size: int, *, tabular: bool = False) -> int:
+    """Measure a line of text [px]."""
+    if tabular:
+        return sum(_advance(each, size) for each in text)
+    return round(_face(size).getlength(plain(text)))
+
+
+@cache
+def _advance(letter: str, size: int) -> int:
+    """Measure a letter of tabular text."""
+    return round(_face(size).getlength(letter))
+
+
+def wrapped(text: str, size: int, room: int, lines: int) -> list[str]:
+    """Break text into at most `lines` lines that fit into `room` pixels; what is left over ends in an ellipsis."""
+    words = plain(text).split()
+    out: list[str] = []
+    while words and len(out) < lines:
+        taken = 1
+        while taken < len(words) and width(" ".join(words[: taken + 1]), size) <= room:
+            taken += 1
+        out.append(" ".join(words[:taken]))
+        words = words[taken:]
+    if words:
+        out[-1] += "…"
+    return [_shortened(line, size, room) for line in out]
+
+
+def _shortened(line: str, size: int, room: int) -> str:
+    if width(line, size) <= room:
+        return line
+    while len(line) > 1 and width(line + "…", size) > room:
+        line = line[:-1].rstrip(" …")
+    return line + "…"
+
+
+class Atlas:
+    """What sprites and clouds take from.
+
+    ink: the strings drawn so far, [y, x] of uint8; it grows downwards, so places stay valid.
+    texels: of the frame's clouds, [texel, 4] of float32: linear light times opacity, and opacity.
+    """
+
+    def __init__(self, weight: float = 1.0):
+        """Start empty. weight: power of the ink's coverage; below 1 makes type bolder."""
+        self._weight = weight
+        self.ink = np.zeros((64, WIDTH), np.uint8)
+        self.texels = np.zeros((1, 4), np.float32)
+        self._known: dict[tuple[str, int], tuple[int, ...]] = {}
+        self._pen = [0, 0]  # where the next string goes
+        self._shelf = 0  # height of the row being filled
+
+    def line(
+        self,
+        text: str,
+        at: tuple[float, float],
+        size: int,
+        paint: Colour,
+        alpha: float = 1.0,
+        align: str = "left",
+        *,
+        tabular: bool = False,
+        spacing: int = 0,
+    ) -> np.ndarray:
+        """Draw a line of text as sprites.
+
+        at: x of its left edge, centre or right edge by `align`, and y of its baseline [px].
+        tabular: give all digits one width, so that a running number stands still.
+        spacing: extra pixels between letters.
+        """
+        text = plain(text)
+        pieces = list(text) if tabular or spacing else [text]
+        advances = [_advance(each, size) + spacing if len(pieces) > 1 or tabular else width(each, size) for each in pieces]
+        total = sum(advances) - spacing
+        x = round(at[0] - {"left": 0.0, "centre": 0.5, "right": 1.0}[align] * total)
+        placed = []
+        for piece, advance in zip(pieces, advances, strict=True):
+            if piece.strip():
+                left, top, wide, high, right, down = self._placed(piece, size)
+                placed.append((left, top, wide, high, x + right, down))
+            x += advance
+        if not placed:
+            return NONE
+        numbers = np.array(placed, float)
+        return sprites(numbers[:, 4:] + (0, round(at[1])), numbers[:, 2:4], numbers[:, :2], paint, alpha)
+
+    def _placed(self, text: str, size: int) -> tuple[int, ...]:
+        """Rasterise a string unless it is known: its place in the atlas, its size, its offset from the baseline; x before y."""
+        key = (text, size)
+        if key not in self._known:
+            from PIL import Image, ImageDraw
+
+            left, top, right, bottom = (int(v) for v in _face(size).getbbox(text, anchor="ls"))
+            image = Image.new("L", (min(right - left, WIDTH), bottom - top))
+            ImageDraw.Draw(image).text((-left, -top), text, fill=255, font=_face(size), anchor="ls")
+            ink = np.round(255 * (np.asarray(image) / 255) ** self._weight)
+            place = self._room(image.width, image.height)
+            self.ink[place[1] : place[1] + image.height, place[0] : place[0] + image.width] = ink
+            self._known[key] = (*place, *image.size, left, top)
+        return self._known[key]
+
+    def _room(self, wide: int, high: int) -> tuple[int, int]:
+        """Find room for a string, in rows from top to bottom."""
+        if self._pen[0] + wide > WIDTH:
+            self._pen = [0, self._pen[1] + self._shelf + GAP]
+            self._shelf = 0
+        place = self._pen[0], self._pen[1]
+        while place[1] + high > len(self.ink):
+            self.ink = np.concatenate([self.ink, np.zeros_like(self.ink)])
+        self._pen[0] += wide + GAP
+        self._shelf = max(self._shelf, high)
+        return place

@@ -1,0 +1,212 @@
+# mypy: disable-error-code="valid-type,index,operator,call-arg"
+"""Paint shapes into the scratch memory of a tile: planes of linear red, green and blue, and a mask where groups are joined.
+
+Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one is done
+on plain numbers, through a second view of the scratch memory.
+"""
+
+import taichi as ti
+
+from render.raster.encode import ACROSS, AREA, LANES, TILE
+from render.raster.sdf import Form, coverage
+from render.raster.shapes import (
+    ALPHA,
+    BOUNDS,
+    CAPSULE,
+    CLOUD,
+    GROUP,
+    KIND,
+    PAINT,
+    PLACE,
+    SIZE,
+    SOFT,
+    SPRITE,
+    STROKE,
+    TWEAK,
+)
+from tiswarm.simd.lanes import larger, smaller
+
+MASK = 3  # plane of joined coverage in the scratch memory, after linear red, green and blue
+PLANES = 4
+
+
+@ti.func
+def _blend(lanes: ti.template(), spot: ti.i32, red: ti.f32, green: ti.f32, blue: ti.f32, cover):
+    old_red, old_green, old_blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
+    lanes[spot] = old_red + cover * (red - old_red)
+    lanes[spot + AREA] = old_green + cover * (green - old_green)
+    lanes[spot + 2 * AREA] = old_blue + cover * (blue - old_blue)
+
+
+@ti.func
+def _paint_sprite(
+    shapes: ti.template(),
+    n: ti.i32,
+    atlas: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    left,
+    top,
+    right,
+    bottom,
+    x0,
+    y0,
+):
+    """Blend a piece of the atlas; `place` is the tile's first number in the scratch memory."""
+    shift_x = ti.cast(shapes[n, PLACE + 2] - shapes[n, PLACE], ti.i32)
+    shift_y = ti.cast(shapes[n, PLACE + 3] - shapes[n, PLACE + 1], ti.i32)
+    for y in range(top, bottom):
+        for x in range(left, right):
+            cover = ti.cast(atlas[y + shift_y, x + shift_x], ti.f32) * (ti.f32(1.0 / 255.0) * shapes[n, ALPHA])
+            for c in range(3):
+                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
+                numbers[spot] += (shapes[n, PAINT + c] - numbers[spot]) * cover
+
+
+@ti.func
+def _paint_cloud(
+    shapes: ti.template(),
+    n: ti.i32,
+    texels: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    left,
+    top,
+    right,
+    bottom,
+    x0,
+    y0,
+):
+    """Blend colours between the four nearest texels of each pixel; `place` as in `_paint_sprite`."""
+    ax, ay, per_x, per_y = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    across, down = shapes[n, SIZE] * per_x, shapes[n, SIZE + 1] * per_y
+    stride, first = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
+    half = ti.f32(0.5)
+    for y in range(top, bottom):
+        v = ti.min(ti.max((ti.cast(y, ti.f32) + half - ay) * per_y, ti.f32(0.0)), down) + half
+        row = ti.cast(v, ti.i32)
+        lower = v - ti.cast(row, ti.f32)
+        for x in range(left, right):
+            u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
+            column = ti.cast(u, ti.i32)
+            at, later = first + row * stride + column, u - ti.cast(column, ti.f32)
+            above = texels[at] + (texels[at + 1] - texels[at]) * later
+            below = texels[at + stride] + (texels[at + stride + 1] - texels[at + stride]) * later
+            light = above + (below - above) * lower
+            for c in ti.static(range(3)):
+                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
+                numbers[spot] = numbers[spot] * (ti.f32(1.0) - light[3]) + light[c]
+
+
+@ti.func
+def _form(shapes: ti.template(), n: ti.i32):
+    """Read what says how shape n covers pixels."""
+    ax, ay, bx, by = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    return Form(
+        ti.cast(shapes[n, KIND], ti.i32),
+        ax,
+        ay,
+        bx,
+        by,
+        shapes[n, SIZE],
+        shapes[n, SIZE + 1],
+        shapes[n, TWEAK],
+        ti.f32(1.0) / shapes[n, SOFT],
+        shapes[n, STROKE],
+        shapes[n, ALPHA],
+        shapes[n, ALPHA + 1] - shapes[n, ALPHA],
+        ti.f32(1.0) / ti.max((bx - ax) * (bx - ax) + (by - ay) * (by - ay), ti.f32(1e-12)),
+    )
+
+
+@ti.func
+def _covered(
+    capsule: ti.template(), form: ti.template(), lanes: ti.template(), left: ti.i32, right: ti.i32, x0: ti.i32, y: ti.i32
+):
+    """Give how much of the eight pixels from (x0, y) on a shape covers, nothing outside its bounds."""
+    x = lanes[0] + (ti.cast(x0, ti.f32) + ti.f32(0.5))
+    cover = coverage(capsule, form, x, ti.cast(y, ti.f32) + ti.f32(0.5))
+    inside = smaller(x - ti.cast(left, ti.f32), ti.cast(right, ti.f32) - x) > ti.f32(0.0)
+    return ti.select(inside, cover, ti.f32(0.0))
+
+
+@ti.func
+def paint_shape(
+    shapes: ti.template(),
+    n: ti.i32,
+    atlas: ti.template(),
+    texels: ti.template(),
+    lanes: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    x0,
+    y0,
+):
+    """Blend shape n into a tile; a grouped capsule only raises the mask. `place` is the tile's first lane."""
+    left = ti.max(ti.cast(shapes[n, BOUNDS], ti.i32), x0)
+    top = ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32), y0)
+    right = ti.min(ti.cast(shapes[n, BOUNDS + 2], ti.i32), x0 + TILE)
+    bottom = ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32), y0 + TILE)
+    # Everything is read before the loops: the compiler cannot tell that writing pixels leaves the shapes alone.
+    form, grouped = _form(shapes, n), shapes[n, GROUP] > ti.f32(0.0)
+    red, green, blue = shapes[n, PAINT], shapes[n, PAINT + 1], shapes[n, PAINT + 2]
+    if form.kind == SPRITE:
+        _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
+    elif form.kind == CLOUD:
+        _paint_cloud(shapes, n, texels, numbers, place * LANES, left, top, right, bottom, x0, y0)
+    elif form.kind == CAPSULE:  # lanes of a row are written out: a loop over two would double the time to compile
+        for y in range(top, bottom):
+            for column in ti.static(range(ACROSS)):
+                if left < x0 + column * LANES + LANES and right > x0 + column * LANES:
+                    spot = place + (y - y0) * ACROSS + column
+                    cover = _covered(True, form, lanes, left, right, x0 + column * LANES, y)
+                    if grouped:
+                        lanes[spot + MASK * AREA] = larger(lanes[spot + MASK * AREA], cover)
+                    else:
+                        _blend(lanes, spot, red, green, blue, cover)
+    else:
+        for y in range(top, bottom):
+            for column in ti.static(range(ACROSS)):
+                cover = _covered(False, form, lanes, left, right, x0 + column * LANES, y)
+                _blend(lanes, place + (y - y0) * ACROSS + column, red, green, blue, cover)
+
+
+@ti.func
+def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: ti.i32, top: ti.i32, bottom: ti.i32):
+    """Blend what the group of shape n left in rows of the mask, and clear them."""
+    red, green, blue = shapes[n, PAINT], shapes[n, PAINT + 1], shapes[n, PAINT + 2]
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
+        cover = lanes[spot + MASK * AREA]
+        _blend(lanes, spot, red, green, blue, cover)
+        lanes[spot + MASK * AREA] = ti.f32(0.0) * cover
+
+
+@ti.func
+def paint_entries(
+    shapes: ti.template(),
+    atlas: ti.template(),
+    texels: ti.template(),
+    bins: ti.template(),
+    lanes: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    first: ti.i32,
+    entries: ti.i32,
+    x0,
+    y0,
+):
+    """Blend the shapes of a tile, whose entries begin at `first`, into its scratch memory."""
+    joined = -1  # a shape of the group whose coverage the mask holds, between two rows of the tile
+    top, bottom = TILE, 0
+    for entry in range(entries + 1):
+        n = ti.select(entry < entries, bins[first + entry], -1)
+        group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
+        if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
+            _paint_mask(shapes, joined, lanes, place, top, bottom)
+            top, bottom = TILE, 0
+        if n >= 0:
+            paint_shape(shapes, n, atlas, texels, lanes, numbers, place, x0, y0)
+            if group > ti.f32(0.0):
+                top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
+                bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
+        joined = ti.select(group > ti.f32(0.0), n, -1)

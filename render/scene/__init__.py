@@ -1,0 +1,1 @@
+"""Scene: what is seen at a time."""

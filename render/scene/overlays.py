@@ -1,0 +1,83 @@
+"""Overlays: what agents see, where they go, whom they flock with, where it is crowded or was cleaned."""
+
+import numpy as np
+
+from render.raster.glyphs import Atlas
+from render.raster.shapes import NONE, WINDOW, capsules, colour, mixed, rings
+from render.scene.camera import Camera
+from render.scene.coverage import Coverage
+from render.scene.density import Density
+from render.scene.snapshot import Now
+from render.scene.trajectories import Motion
+from render.theme import Theme
+
+LINKED = 2000
+"""With more agents than this, links between neighbours would cover everything, and are left out."""
+
+
+class Overlays:
+    """The overlays that a look asks for."""
+
+    def __init__(self, paths: Motion, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas):
+        """Prepare. unit: pixels per unit of type. lone, atlas: as for `Density`."""
+        self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
+        self.coverage = Coverage(paths, theme) if "coverage" in names else None
+        self._density = Density(paths, theme, lone, atlas) if "density" in names else None
+        scenarios = [subject.scenario for subject in paths.subjects]
+        sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
+        self._sight = sights[paths.scene, paths.is_prey.astype(int)]
+
+    def below(self, here: Now, camera: Camera, windows: np.ndarray) -> np.ndarray:
+        """Draw what lies under the agents. windows: as in `Scene.frame`."""
+        rows = [NONE]
+        if self.coverage:
+            rows.append(self.coverage.drawn(here, camera))
+        if self._density:
+            rows.append(self._density.drawn(here, camera, windows))
+        if "perception" in self._names:
+            rows.append(self._perception(here, camera))
+        if "links" in self._names:
+            rows.append(self._links(here, camera))
+        if "velocity" in self._names:
+            rows.append(self._velocity(here, camera))
+        return np.concatenate(rows)
+
+    def _cut(self, rows: np.ndarray, agents: np.ndarray) -> np.ndarray:
+        rows[:, WINDOW] = self._paths.scene[agents]
+        return rows
+
+    def _perception(self, here: Now, camera: Camera) -> np.ndarray:
+        """Circle what agents perceive."""
+        hues = np.array([colour(self._theme.predator), colour(self._theme.prey[0])])[self._paths.is_prey[here.who].astype(int)]
+        circles = rings(here.centre, self._sight[here.who] * camera.scale * here.near, 1.1 * self._unit, hues, 0.28)
+        return self._cut(circles, here.who)
+
+    def _velocity(self, here: Now, camera: Camera) -> np.ndarray:
+        """Draw where each agent will be in three ticks if it goes straight on."""
+        shown = here.spot[here.who]
+        shown[:, :2] += here.shift
+        ahead = camera.of(here.who).place(shown + 3 * self._paths.speeds(here.time, here.who))
+        thick = 1.0 * self._unit
+        return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
+
+    def _links(self, here: Now, camera: Camera) -> np.ndarray:
+        """Join prey that are neighbours: within perception of each other, and of the same sub-swarm."""
+        paths, rows = self._paths, [NONE]
+        group = paths.groups(here.time)
+        hue, thick = mixed(colour(self._theme.prey[0]), self._theme["ink"], 0.3), 0.7 * self._unit
+        prey = np.unique(here.who[: here.prey])
+        for scene in range(len(paths.subjects)):
+            flock = prey[paths.scene[prey] == scene]
+            if not 1 < len(flock) <= LINKED:
+                continue
+            spots = here.spot[flock]
+            steps = paths.shortest(spots[None] - spots[:, None], flock)
+            apart, sight = np.linalg.norm(steps, axis=2), self._sight[flock[0]]
+            a, b = ((apart < sight) & (group[flock][:, None] == group[flock][None])).nonzero()
+            own, step = camera.of(flock[a]), steps[a, b]
+            # Across an edge of a periodic world each of the two draws its own half of the way, and no more.
+            start = own.place(spots[a])
+            middle = own.place(spots[a] + step / 2)
+            links = capsules(start, middle, thick, thick, hue, 0.08 + 0.5 * (1 - apart[a, b] / sight))
+            rows.append(self._cut(links[a != b], flock[a[a != b]]))
+        return np.concatenate(rows)

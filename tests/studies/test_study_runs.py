@@ -1,0 +1,323 @@
+"""Studies: cells on axes, kept on disk, gone on with after a kill, refused where they do not match, and filmed."""
+
+import csv
+import json
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import tiswarm
+from tiswarm.studies.design import cells, load_study
+from tiswarm.studies.export import write
+from tiswarm.studies.run import run_study
+from tiswarm.studies.store import read_cell
+
+STUDY = """
+title = "Goals and numbers"
+base = "delft/avoidance-10"
+trials = 20
+figures = ["pairs"]
+set = { "world.ticks" = 120 }
+[[axes]]
+key = "prey.goal"
+low = 0.05
+high = 0.2
+steps = 4
+[[axes]]
+key = "prey.count"
+values = [2, 6]
+[correlate]
+x = "prey.goal"
+y = "time"
+"""
+
+MIXED = """
+title = "Hunted or not"
+measures = ["success", "captured"]
+trials = 30
+[[tables]]
+name = "calm"
+title = "No predators"
+base = "delft/avoidance-10"
+key = "prey.avoidance"
+values = ["spiral", "kitchen-sink"]
+[[tables]]
+name = "hunted"
+title = "Predators"
+base = "delft/pronav-10"
+axes = [{ key = "prey.strategy", values = ["evasive", "split"] }, { key = "predators.strategy", values = ["centre", "pronav"] }]
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "s.toml").write_text(STUDY)
+    return tmp_path / "s.toml"
+
+
+def _bench(*arguments, cwd=None):
+    return subprocess.run(
+        [sys.executable, "-m", "tiswarm", "bench", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=120,
+        check=False,
+    )
+
+
+def test_each_cell_is_what_its_scenario_gives_on_its_own(study, f32):
+    report = run_study(str(study), seed=3)
+    assert [row.cell.point for row in report.rows][:2] == [
+        {"prey.goal": 0.05, "prey.count": 2},
+        {"prey.goal": 0.05, "prey.count": 6},
+    ]
+    for row in report.rows[::3]:
+        alone = tiswarm.simulate(tiswarm.load("delft/avoidance-10", {"world.ticks": 120, **row.cell.point}), 20, seed=3)
+        np.testing.assert_array_equal(row.values("success"), alone.success)
+        np.testing.assert_array_equal(row.outcomes["ticks"], alone.ticks)
+
+
+def test_scenarios_that_cannot_share_a_kernel_run_apart_and_stand_in_their_order(tmp_path, f32):
+    (tmp_path / "m.toml").write_text(MIXED)
+    report = run_study(str(tmp_path / "m.toml"))
+    assert [row.cell.row for row in report.rows] == [
+        *("spiral", "kitchen-sink"),
+        *("evasive/centre", "evasive/pronav", "split/centre", "split/pronav"),
+    ]
+    assert [len(table) for table in report.tables] == [2, 4]
+    alone = tiswarm.simulate(tiswarm.load("delft/centre-10", {"prey.strategy": "split"}), 30)
+    np.testing.assert_array_equal(report.rows[4].outcomes["captured"], alone.captured)
+
+
+def test_independent_cells_have_seeds_of_their_own(study, f32):
+    study.write_text(STUDY.replace("trials = 20", "trials = 20\nindependent = true"))
+    found = cells(str(study), load_study(str(study)), seed=1)
+    assert len({cell.seed for cell in found}) == 8
+    report = run_study(str(study), seed=1, overrides={"prey.count": 3})
+    alone = tiswarm.simulate(report.rows[5].cell.scenario, 20, found[5].seed)
+    np.testing.assert_array_equal(report.rows[5].values("time"), alone.time)
+
+
+def test_tables_are_tidy_and_the_manifest_says_what_was_computed(study, tmp_path):
+    done = _bench(study, "-o", "o", "--per-trial", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader((tmp_path / "o" / "cells.csv").open()))
+    assert list(rows[0])[:6] == ["cell", "prey.goal", "prey.count", "n", "success", "success_stderr"]
+    assert len(rows) == 8
+    trials = list(csv.DictReader((tmp_path / "o" / "trials.csv").open()))
+    assert len(trials) == 160
+    share = np.mean([float(row["success"]) for row in trials if row["cell"] == "3"])
+    assert float(rows[3]["success"]) == pytest.approx(share)
+    assert all(float(row["success_low"]) <= float(row["success"]) <= float(row["success_high"]) for row in rows)
+    told = json.loads((tmp_path / "o" / "manifest.json").read_text())
+    assert "Wilson" in told["computed"]["share"]
+    assert told["correlations"][0]["n"] == 8
+    assert "Spearman" in done.stdout
+    assert "Holm" in done.stdout
+    pairs = list(csv.DictReader((tmp_path / "o" / "pairs.csv").open()))
+    assert len(pairs) == 7 * 3
+    assert (tmp_path / "o" / "s-pairs.png").exists()
+
+
+def test_parquet_holds_what_the_csv_holds(study, tmp_path, f32):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    write(run_study(str(study)), tmp_path, per_trial=True, parquet=True)
+    for name in ("cells", "trials"):
+        table = parquet.read_table(tmp_path / f"{name}.parquet")
+        lines = list(csv.DictReader((tmp_path / f"{name}.csv").open()))
+        assert table.num_rows == len(lines)
+        assert table.column_names == list(lines[0])
+        assert [str(value) for value in table.column("prey.goal").to_pylist()] == [line["prey.goal"] for line in lines]
+
+
+def _kept(folder):
+    return len(list(folder.glob("cells/[0-9]*.npz")))
+
+
+def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_path):
+    study.write_text(STUDY.replace("steps = 4", "steps = 60").replace("figures = [", "figures = [] #"))
+    options = ("--per-trial", "--quiet", study)
+    assert _bench("-o", "whole", *options, cwd=tmp_path).returncode == 0
+    names = ("cells.csv", "trials.csv")
+    whole = {name: (tmp_path / "whole" / name).read_bytes() for name in names}
+    rng, kills, cut, round_ = random.Random(6), 0, 0, 0
+    while kills < 20:
+        folder = tmp_path / f"killed-{round_}"
+        before = _kept(folder)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "tiswarm", "bench", "-o", folder.name, *map(str, options)],
+            cwd=tmp_path,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        )
+        if rng.random() < 0.5:  # anywhere, from the first import on
+            time.sleep(rng.uniform(0.0, 1.6))
+        else:  # once some more cells are there
+            wanted = before + rng.randrange(1, 9)
+            while process.poll() is None and _kept(folder) < min(wanted, 120):
+                time.sleep(0.0005)
+            time.sleep(rng.choice((0.0, 0.0, 0.001, 0.005)))
+        process.send_signal(signal.SIGKILL)  # exactly the one that was started, if it still runs
+        _, complaint = process.communicate(timeout=30)
+        kills += 1
+        assert process.returncode in (0, -signal.SIGKILL), complaint
+        done = _kept(folder)
+        assert done >= before
+        cut += before < done < 120
+        if done == 120:
+            assert _bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
+            assert {name: (folder / name).read_bytes() for name in names} == whole
+            round_ += 1
+    assert cut  # some were hit between two cells
+    folder = tmp_path / f"killed-{round_}"
+    assert _bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
+    assert {name: (folder / name).read_bytes() for name in names} == whole
+    assert not list(folder.rglob("*.part*"))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"seed": 1}, "holds seed 0, not 1"),
+        ({"trials": 21}, "holds 20 trials a cell, not 21"),
+        ({"overrides": {"prey.spacing": 2.0}}, "other cells or scenarios"),
+    ],
+)
+def test_another_run_is_refused_with_the_mend(study, tmp_path, change, said, f32):
+    run_study(str(study), folder=tmp_path / "o")
+    with pytest.raises(ValueError, match=f"{said}.*--fresh"):
+        run_study(str(study), folder=tmp_path / "o", **change)
+    assert run_study(str(study), folder=tmp_path / "o").ran == 0
+    assert run_study(str(study), folder=tmp_path / "o", fresh=True, **change).ran == 8
+
+
+def test_other_precision_version_and_code_are_refused(study, tmp_path, f32):
+    run_study(str(study), folder=tmp_path / "o")
+    place = tmp_path / "o" / "manifest.json"
+    for key, said in (("precision", "f16"), ("tiswarm", "0.0.1"), ("code", "state of the code")):
+        told = json.loads(place.read_text())
+        place.write_text(json.dumps({**told, key: "f16" if key == "precision" else "0.0.1"}))
+        with pytest.raises(ValueError, match=f"{said}.*--fresh"):
+            run_study(str(study), folder=tmp_path / "o")
+        place.write_text(json.dumps(told))
+    for broken in ("{", "[]", '{"seed": 0}'):
+        place.write_text(broken)
+        with pytest.raises(ValueError, match=r"no manifest.*--fresh"):
+            run_study(str(study), folder=tmp_path / "o")
+
+
+def test_cells_that_are_broken_or_of_nobody_are_run_again(study, tmp_path, f32):
+    first = run_study(str(study), folder=tmp_path / "o")
+    (tmp_path / "o" / "cells" / "00002.npz").write_bytes(b"half")
+    (tmp_path / "o" / "cells" / "00005.npz").unlink()
+    again = run_study(str(study), folder=tmp_path / "o")
+    assert again.ran == 2
+    assert again.cells() == first.cells()
+    (tmp_path / "o" / "manifest.json").unlink()  # as when --fresh is killed after its first step
+    assert run_study(str(study), folder=tmp_path / "o").ran == 8
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('key = "prey.count"', 'key = "prey.cuont"', "prey.cuont: unknown key"),
+        ("values = [2, 6]", "values = [0, 6]", "prey.count: 0 is not allowed"),
+        ('y = "time"', 'y = "tmie"', "did you mean 'time'"),
+        ('x = "prey.goal"', 'x = "prey.gaol"', "did you mean 'prey.goal'"),
+        ('base = "delft/avoidance-10"', "", "tables"),
+        ("trials = 20", 'trials = 20\nmeasures = ["sucess"]\ncorrelate = []', "did you mean 'success'"),
+        ("trials = 20", "trials = 20\nsampels = 3", "did you mean 'samples'"),
+        ("steps = 4", "stpes = 4", "did you mean 'steps'"),
+    ],
+)
+def test_a_wrong_study_is_refused_in_one_line(study, old, new, said, f32):
+    text = STUDY.replace(old, new)
+    if "correlate = []" in text:
+        text = text[: text.index("[correlate]")]
+    study.write_text(text)
+    with pytest.raises(tiswarm.ScenarioError, match=said) as caught:
+        run_study(str(study))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_film_of_a_counted_trial_shows_the_outcome_that_was_counted(study, tmp_path, f32):
+    from tiswarm.cli.rerun import Rebuilt
+
+    run_study(str(study), seed=4, folder=tmp_path / "o")
+    rebuilt = Rebuilt(tmp_path / "o" / "manifest.json")
+    for number in (0, 5):
+        held = read_cell(tmp_path / "o", number, 20)
+        picks = [rebuilt.picked(number, pick) for pick in ("worst", "median", "best")]
+        success = [held["success"][trial] for trial in picks]
+        assert success == [held["success"].min(), np.sort(held["success"])[::-1][10], held["success"].max()]
+        for trial in (*picks, 7):
+            recording = rebuilt.record(number, trial)
+            assert (recording.prey.fate == "arrived").mean() == held["success"][trial]
+            assert recording.ticks == held["ticks"][trial]
+    (tmp_path / "o" / "cells" / "00005.npz").unlink()  # run again instead of read
+    assert rebuilt.picked(5, "worst") == picks[0]
+
+
+def test_the_command_line_films_it_and_refuses_what_cannot_be(study, tmp_path):
+    assert _bench(study, "-o", "o", "--quiet", "--figures", "none", cwd=tmp_path).returncode == 0
+
+    def film(*arguments):
+        return subprocess.run(
+            [sys.executable, "-m", "tiswarm", "film", *arguments], capture_output=True, text=True, cwd=tmp_path, check=False
+        )
+
+    done = film("o/manifest.json", "--cell", "3", "--worst", "-o", "x.mp4", "--size", "320x180", "--fps", "10", "--speed", "40")
+    assert done.returncode == 0, done.stderr
+    assert "cell 3 (0.1/6), trial" in done.stdout
+    assert (tmp_path / "x.mp4").stat().st_size > 1000
+    for arguments, said in (
+        (("o/manifest.json",), "--cell"),
+        (("o/manifest.json", "--cell", "8"), "cells 0 to 7"),
+        (("o/manifest.json", "--cell", "1", "--trial", "20"), "trials 0 to 19"),
+        (("o/manifest.json", "--cell", "1", "--best", "--worst"), "use one"),
+        (("o/manifest.json", "--cell", "1", "--seed", "3"), "drop"),
+        (("delft/pronav-10", "--cell", "1"), "no manifest"),
+        (("p/manifest.json", "--cell", "1"), "no such file"),
+    ):
+        done = film(*arguments)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
+        assert said in done.stderr
+
+
+def test_a_study_asks_for_what_it_reports_and_leaves_out_trials_without_a_value(tmp_path, f32):
+    text = 'title = "w"\nbase = "sanitation/boids"\ntrials = 4\nmeasures = ["polarisation", "milling", "time-to-90"]\n'
+    text += 'set = { "world.ticks" = 40, "prey.count" = 8 }\ncombine = "latin"\nsamples = 5\n'
+    text += '[[axes]]\nkey = "prey.alignment"\nlow = 0.01\nhigh = 0.5\n[correlate]\nx = "prey.alignment"\ny = "polarisation"\n'
+    (tmp_path / "w.toml").write_text(text)
+    report = run_study(str(tmp_path / "w.toml"), folder=tmp_path / "o")
+    assert "milling" in report.rows[0].cell.scenario.measures.names  # which the preset does not measure
+    lines = report.cells()
+    assert [line["time-to-90_n"] for line in lines] == [0] * 5  # nobody sweeps so much in 40 ticks
+    assert all(0 < line["polarisation"] < 1 for line in lines)
+    assert report.correlations[0].n == 5
+    write(report, tmp_path / "o")
+    assert ",,,,0\n" in (tmp_path / "o" / "cells.csv").read_text()
+    assert run_study(str(tmp_path / "w.toml"), folder=tmp_path / "o").cells()[2]["milling"] == lines[2]["milling"]
+
+
+def test_a_small_game_from_cells_to_mixtures(tmp_path, f32):
+    from tiswarm.studies.payoffs import contest
+
+    text = 'title = "g"\nbase = "delft/pronav-10"\ntrials = 60\n[game]\nprey = ["prey.strategy"]\n'
+    text += 'predators = ["predators.strategy"]\n[[axes]]\nkey = "prey.strategy"\nvalues = ["baseline", "explode", "split"]\n'
+    text += '[[axes]]\nkey = "predators.strategy"\nvalues = ["centre", "pronav"]\n'
+    (tmp_path / "g.toml").write_text(text)
+    report = run_study(str(tmp_path / "g.toml"))
+    played = contest(report)
+    assert (played.rows, played.columns) == (["baseline", "explode", "split"], ["centre", "pronav"])
+    assert played.payoff[2, 1] == report.rows[5].values("success").mean()
+    told = json.loads(played.to_json())
+    assert told["value"]["low"] <= told["value"]["mean"] <= told["value"]["high"]
+    assert sum(each["share"] for each in told["prey"].values()) == pytest.approx(1)
+    assert "baseline" in told["dominated"]["rows"]

@@ -1,0 +1,77 @@
+"""Rebuilt: the trials that a study's tables counted, run again from its manifest."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tiswarm.cli.options import WrongInput
+from tiswarm.engine.trials.batch import simulate
+from tiswarm.engine.trials.trial import record
+from tiswarm.scenario.model import validated
+from tiswarm.studies.run import outcomes_of
+from tiswarm.studies.store import read_cell, read_manifest
+
+
+class Rebuilt:
+    """A study's manifest, read to run a cell's trials again."""
+
+    def __init__(self, path: Path) -> None:
+        """Read a manifest. Errors: WrongInput when there is none."""
+        if not path.is_file():
+            raise WrongInput(f"{path}: no such file; 'tiswarm bench STUDY' writes one into its folder")
+        self._folder = path.parent
+        self._told = read_manifest(path)
+        self.precision: str = self._told["precision"]
+
+    def cell(self, number: int) -> dict[str, Any]:
+        """Find a cell by its number in the tables. Errors: WrongInput."""
+        cells = self._told["cells"]
+        if not 0 <= number < len(cells):
+            raise WrongInput(f"--cell {number}: the study has cells 0 to {len(cells) - 1}")
+        found: dict[str, Any] = cells[number]
+        return found
+
+    def outcomes(self, number: int) -> dict[str, np.ndarray]:
+        """Give the outcomes of a cell's trials: from its file, or run again when that is gone. name -> [trial]."""
+        held = read_cell(self._folder, number, self._told["trials"])
+        if held is not None:
+            return held
+        cell = self.cell(number)
+        results = simulate(validated(cell["scenario"]), self._told["trials"], cell["seed"])
+        return outcomes_of(results, self._told["measures"])
+
+    def picked(self, number: int, pick: str) -> int:
+        """Choose a trial by the study's first measure, large is good; ties by time, short is good; then by number."""
+        self.cell(number)
+        found = self.outcomes(number)
+        order = np.lexsort((found["ticks"], -found[self._told["measures"][0]]))
+        return int(order[{"best": 0, "median": len(order) // 2, "worst": -1}[pick]])
+
+    def record(self, number: int, trial: int) -> Any:
+        """Record a trial of a cell, and check that its outcome is the one that the tables counted.
+
+        Errors: WrongInput for a trial that the cell does not have, or an outcome that this code does not repeat.
+        """
+        cell = self.cell(number)
+        if not 0 <= trial < self._told["trials"]:
+            raise WrongInput(f"--trial {trial}: cell {number} has trials 0 to {self._told['trials'] - 1}")
+        recording = record(validated(cell["scenario"]), trial, cell["seed"])
+        counted = {name: int(values[trial]) for name, values in self.outcomes(number).items() if name in ("arrived", "ticks")}
+        again = {"arrived": int((recording.prey.fate == "arrived").sum()), "ticks": recording.ticks}
+        if again != counted:
+            raise WrongInput(
+                f"cell {number}, trial {trial}: came out as {again}, the table counted {counted}; "
+                "the code has changed since, run the study again with --fresh"
+            )
+        return recording
+
+    def described(self, number: int, trial: int) -> str:
+        """Say which trial it is and how it came out."""
+        found = self.outcomes(number)
+        measures = ", ".join(f"{name.replace('_', ' ')} {found[name][trial]:.4g}" for name in self._told["measures"])
+        return f"cell {number} ({self.cell(number)['row']}), trial {trial}: {measures}"
+
+    def name(self, number: int, trial: int) -> str:
+        """Name the film's file."""
+        return f"{self._told['study']}-{number}-{trial}"

@@ -1,0 +1,138 @@
+"""Step: from a course to the next state: drives, the step itself, edges of the world, and prey that bounce."""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics.table import Layout
+from tiswarm.simd.lanes import anywhere, cosine, dot, larger, motion, place, rates, safe, sine, smaller, unit
+
+
+def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
+    """Build wall_turn, bounce, and for each kind limited, drift, face, advance and commit, one agent each."""
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
+    width = len(layout.paths)
+    frame = layout.structure.frame
+
+    @ti.func
+    def wall_turn(course: ti.template(), me: ti.template(), numbers: ti.template(), b):
+        """Turn away from walls that are nearer than the margin, by a fixed step of velocity."""
+        if ti.static(frame.boundary == "walls"):
+            n = b * width
+            margin = numbers[n + at.margin]
+            step = numbers[n + at.turn_factor]
+            for k in ti.static(range(dim)):
+                here = place(me)[k]
+                course[k] += ti.select(here < margin, step, 0.0)
+                course[k] += ti.select(here > numbers[n + at.size[k]] - margin, -1.0 * step, 0.0)
+
+    def kind_of(kind: str) -> SimpleNamespace:
+        columns = getattr(at, kind)
+        unicycle, slow = kind in frame.unicycles, kind in frame.slow
+
+        @ti.func
+        def limited(course: ti.template(), me: ti.template(), numbers: ti.template(), b):
+            """Cap the speed; where there is a least speed, raise it to that."""
+            speed2 = dot(course, course)
+            scale = me.max_speed / ti.sqrt(larger(speed2, me.max_speed * me.max_speed))
+            if ti.static(slow):
+                least = numbers[b * width + columns.min_speed]
+                scale = larger(scale, ti.select(speed2 < least * least, least / ti.sqrt(safe(speed2)), 0.0))
+            for k in ti.static(range(dim)):
+                course[k] = scale * course[k]
+
+        @ti.func
+        def drift(agents: ti.template(), a, numbers: ti.template(), b):
+            """Half a step with the old velocity, so that forces are felt in the middle of the step (Verlet)."""
+            half = 0.5 * numbers[b * width + at.dt]
+            for k in ti.static(range(dim)):
+                agents[a + rows.place[k]] = agents[a + rows.place[k]] + half * agents[a + rows.motion[k]]
+
+        @ti.func
+        def face(agents: ti.template(), a, fresh):
+            """Let a unicycle that starts head where it moves, or along x when it stands."""
+            ahead = unit([agents[a + row] for row in ti.static(rows.motion)])
+            stands = ti.select(dot(ahead, ahead) < 0.5, 1.0, 0.0)
+            ahead[0] += stands
+            for k in ti.static(range(2)):
+                agents[a + rows.heading[k]] = ti.select(fresh, ahead[k], agents[a + rows.heading[k]])
+
+        @ti.func
+        def steered(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):
+            """Let a point ahead of the axle follow the course: [speed, turn rate] = diag(1, 1/ahead) R(-θ) u, both capped."""
+            n = b * width
+            x = agents[a + rows.heading[0]]
+            y = agents[a + rows.heading[1]]
+            most = numbers[n + columns.max_turn]
+            speed = x * course[0] + y * course[1]
+            rate = (x * course[1] - y * course[0]) / numbers[n + columns.ahead]
+            speed = larger(smaller(speed, me.max_speed), -1.0 * me.max_speed)
+            angle = numbers[n + at.dt] * larger(smaller(rate, most), -1.0 * most)
+            c = cosine(angle)
+            s = sine(angle)
+            agents[a + rows.heading[0]] = c * x - s * y
+            agents[a + rows.heading[1]] = s * x + c * y
+            course[0] = speed * x
+            course[1] = speed * y
+
+        @ti.func
+        def advance(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):
+            """Write the next state down: p + v dt, or its second half under Verlet."""
+            step = numbers[b * width + at.dt]
+            if ti.static(frame.verlet):
+                step = 0.5 * step
+            if ti.static(unicycle):
+                steered(agents, a, course, me, numbers, b)
+            for k in ti.static(range(dim)):
+                agents[a + rows.next_motion[k]] = course[k]
+                agents[a + rows.next_place[k]] = place(me)[k] + course[k] * step
+
+        @ti.func
+        def commit(agents: ti.template(), a, numbers: ti.template(), b):
+            """Take the next state over, inside the world's edges; who is gone stays where it went, at a finite place."""
+            n = b * width
+            here = agents[a + rows.alive] > 0.5
+            for k in ti.static(range(dim)):
+                to = agents[a + rows.next_place[k]]
+                rate = agents[a + rows.next_motion[k]]
+                size = numbers[n + at.size[k]]
+                if ti.static(frame.boundary == "periodic"):
+                    to = to - size * ti.floor(to / size)
+                    to = ti.select(to >= size, 0.0, to)  # rounding may lift a tiny negative number to the size itself
+                if ti.static(frame.boundary == "walls"):
+                    low = smaller(numbers[n + columns.radius], 0.5 * size)
+                    within = larger(smaller(to, size - low), low)
+                    rate = ti.select((to < within) & (rate < 0.0) | (to > within) & (rate > 0.0), 0.0, rate)
+                    to = within
+                agents[a + rows.place[k]] = ti.select(here, to, agents[a + rows.place[k]])
+                agents[a + rows.motion[k]] = rate
+
+        return SimpleNamespace(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
+
+    prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
+
+    @ti.func
+    def bounce(prey: ti.template(), numbers: ti.template(), b, count):
+        """Let prey that touch and approach each other exchange their velocities along the line of centres.
+
+        Pairs follow each other in a fixed order; each conserves momentum and kinetic energy, as equal masses do.
+        """
+        reach = 2.0 * numbers[b * width + at.prey.radius]
+        for i in range(count):
+            a = (b * count + i) * prey_rows
+            for j in range(i + 1, count):
+                c = (b * count + j) * prey_rows
+                me = prey_mate(prey, a, i)
+                mate = prey_mate(prey, c, j)
+                away = see.gap(me, mate, numbers, b)
+                touch = (dot(away, away) < reach * reach) & (me.alive * mate.alive > 0.5)
+                if anywhere(touch):
+                    line = unit(away)
+                    apart = [mine - other for mine, other in ti.static(zip(rates(me), rates(mate), strict=True))]
+                    closing = dot(apart, line)
+                    given = ti.select(touch & (closing < 0.0), closing, 0.0)
+                    for k in ti.static(range(dim)):
+                        prey[a + rows.motion[k]] = motion(me)[k] - given * line[k]
+                        prey[c + rows.motion[k]] = motion(mate)[k] + given * line[k]
+
+    return SimpleNamespace(wall_turn=wall_turn, bounce=bounce, prey=kind_of("prey"), predators=kind_of("predators"))

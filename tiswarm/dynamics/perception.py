@@ -1,0 +1,190 @@
+"""Sense: what an agent makes of its mates, its opponents and the obstacles in a tick, before it moves.
+
+`build` visits everybody of a trial, for `trials.py`; `visit.py` has the same funcs for large swarms, which visit neighbours
+through grids. Both take `here`, a namespace with the arrays and the place of the agent in them, which move.py only hands on.
+"""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics.table import Layout
+from tiswarm.simd.lanes import dot, larger, motion, place
+from tiswarm.strategies.flocking import flock, see_mate
+
+
+def watching(layout: Layout) -> bool:
+    """Tell whether any prey strategy needs to know which predators are in sight."""
+    return layout.structure.hunted and any(p.strategy.watches for p in layout.parts("prey", "strategy"))
+
+
+def flocking(layout: Layout, kind: str) -> bool:
+    """Tell whether separation, cohesion and alignment act on agents of a kind in any trial."""
+    return all(p.strategy.flocks or p.part.mixed for p in layout.parts(kind, "strategy"))
+
+
+def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+    """Build what both ways of visiting share: counted, flocked (kind -> func) and seen."""
+    at = layout.at
+    width = len(layout.paths)
+
+    def terms(kind: str):
+        columns = getattr(at, kind)
+        choosy = layout.parts(kind, "strategy", "mates")
+        loners = [p for p in layout.parts(kind, "strategy") if not p.strategy.flocks]
+
+        @ti.func
+        def counted(numbers: ti.template(), b, me: ti.template(), mate: ti.template()):
+            """Give 1 for a mate that is there and that all strategies count as one, else 0."""
+            counts = types.lanes(1.0) * mate.alive  # which may be one number for all lanes
+            for p in ti.static(choosy):
+                weights = see.weights_of(p, numbers, b)
+                chosen = p.strategy.mates(me, mate, weights)
+                if ti.static(p.part.mixed):  # noqa: SIM108 - a branch at compile time
+                    counts = counts * (1.0 - weights.on * (1.0 - chosen))
+                else:
+                    counts = counts * chosen
+            return counts
+
+        @ti.func
+        def reaches(numbers: ti.template(), b, me: ti.template()):
+            """Give the squares of how far mates are seen, and how near they are pushed away."""
+            spacing = ti.min(numbers[b * width + columns.spacing], me.perception)
+            return me.perception * me.perception, spacing * spacing
+
+        @ti.func
+        def flocked(mates: ti.template(), numbers: ti.template(), b, me: ti.template()):
+            """Separation, cohesion and alignment: what the mates in sight add to the velocity.
+
+            The sums hold the agent itself, at no distance: loops have no branch that leaves it out.
+            """
+            own = counted(numbers, b, me, me)
+            mates.n += -1.0 * own
+            for k in ti.static(range(len(layout.axes))):
+                motion(mates)[k] += -1.0 * own * motion(me)[k]
+            pull = flock(me, mates, me.cohesion, me.separation, me.alignment)
+            for p in ti.static(loners):
+                for k in ti.static(range(len(layout.axes))):
+                    pull[k] = pull[k] * (1.0 - see.weights_of(p, numbers, b).on)
+            return pull
+
+        return SimpleNamespace(counted=counted, reaches=reaches, flocked=flocked)
+
+    @ti.func
+    def see_hunter(threat: ti.template(), hunter: ti.template(), away: ti.template(), reach2):
+        """Add one predator to what a prey sees of them."""
+        seen = ti.select(dot(away, away) <= reach2, hunter.alive, 0.0)
+        threat.n += seen
+        for k in ti.static(range(len(layout.axes))):
+            place(threat)[k] += seen * away[k]
+
+    return SimpleNamespace(prey=terms("prey"), predators=terms("predators"), see_hunter=see_hunter)
+
+
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+    """Build gather, blocked and look (kind -> func), heed, chase and swarm_of.
+
+    here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
+    kind.
+    """
+    lanes = types.lanes
+    dim = len(layout.axes)
+    prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
+    prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
+    hunted = layout.structure.hunted
+    watched = watching(layout)
+    terms = build_terms(layout, types, see)
+
+    def gathers(kind: str):
+        own_rows, mate_at, own = layout.agent_rows[kind], see.mate_at[kind], getattr(terms, kind)
+        place_of_count = 0 if kind == "prey" else 1
+
+        @ti.func
+        def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
+            """Add all mates to what an agent sees of its swarm, itself included."""
+            agents = ti.static(getattr(here, kind))
+            count = here.counts[place_of_count]
+            perception2, spacing2 = own.reaches(here.numbers, here.b, me)
+            for j in range(count):
+                mate = mate_at(agents, (here.b * count + j) * own_rows, j)
+                away = see.sight(me, mate, here.numbers, here.b)
+                see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate), perception2, spacing2)
+
+        return gather
+
+    @ti.func
+    def heed(notes: ti.template(), threat: ti.template(), here: ti.template(), me: ti.template()):
+        """Let a prey see the predators in sight, and its strategies collect what they need beyond flocking.
+
+        notes: one struct for each prey strategy of the layout.
+        """
+        b = here.b
+        counts = here.counts
+        numbers = ti.static(here.numbers)
+        if ti.static(watched):
+            for j in range(counts[1]):
+                hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
+                terms.see_hunter(threat, hunter, see.sight(me, hunter, numbers, b), me.perception * me.perception)
+        for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
+            weights = see.weights_of(p, numbers, b)
+            if ti.static("observe" in p.own):
+                first = prey_mate(here.prey, b * counts[0] * prey_rows, 0)
+                second = prey_mate(here.prey, (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows, 1)
+                for j in range(counts[0]):
+                    mate = prey_mate(here.prey, (b * counts[0] + j) * prey_rows, j)
+                    if j != here.i:
+                        p.strategy.observe(notes[k], me, mate, see.sight(me, mate, numbers, b), first, second, weights)
+            if ti.static(hunted and "beware" in p.own):
+                for j in range(counts[1]):
+                    hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
+                    p.strategy.beware(notes[k], me, hunter, see.sight(me, hunter, numbers, b), weights)
+
+    @ti.func
+    def chase(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), quarry: ti.template(), weights):
+        """Let a predator strategy collect what it needs of single prey."""
+        for j in range(here.counts[0]):
+            each = prey_mate(here.prey, (here.b * here.counts[0] + j) * prey_rows, j)
+            p.strategy.observe(notes, me, each, see.sight(me, each, here.numbers, here.b), quarry, weights)
+
+    @ti.func
+    def blocked(p: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights):
+        """Count the obstacles that block the course."""
+        found = lanes(0.0)
+        for j in range(here.counts[2]):
+            obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
+            away = see.sight(me, obstacle, here.numbers, here.b)
+            found += p.strategy.blocks(me, course, away, obstacle, weights)
+        return found
+
+    @ti.func
+    def look(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights):
+        """Let an avoidance note what the obstacles tell about the course."""
+        for j in range(here.counts[2]):
+            obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
+            p.strategy.look(notes, me, course, see.sight(me, obstacle, here.numbers, here.b), obstacle, weights)
+
+    @ti.func
+    def swarm_of(prey: ti.template(), b, count, age):
+        """Give the means over the alive prey, zero when there are none."""
+        swarm = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 1))], age)
+        for i in range(count):
+            mate = prey_mate(prey, (b * count + i) * prey_rows, i)
+            swarm.n += mate.alive
+            for k in ti.static(range(dim)):
+                place(swarm)[k] += mate.alive * place(mate)[k]
+                motion(swarm)[k] += mate.alive * motion(mate)[k]
+        share = 1.0 / larger(swarm.n, 1.0)
+        for k in ti.static(range(dim)):
+            place(swarm)[k] = share * place(swarm)[k]
+            motion(swarm)[k] = share * motion(swarm)[k]
+        return swarm
+
+    return SimpleNamespace(
+        gather={kind: gathers(kind) for kind in ("prey", "predators")},
+        flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
+        heed=heed,
+        chase=chase,
+        blocked=blocked,
+        look=look,
+        swarm_of=swarm_of,
+    )

@@ -1,0 +1,297 @@
+"""Layout: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import taichi as ti
+
+from tiswarm.scenario.checks import TRAPS
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.model import Scenario
+from tiswarm.strategies import registry
+
+# Values of an agent's fate, in the order of recording.FATES.
+STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
+# Rows of a block's clock: is the lane in use, has its trial ended, ticks run, states measured, and what is counted.
+(
+    ON, DONE, AGE, MEASURED, ALIVE_COUNT, ARRIVED_COUNT, CAPTURED_COUNT, CRASHED_COUNT, FIRST_ARRIVAL, LAST_ARRIVAL, CLOCK_ROWS
+) = range(11)  # fmt: skip
+# Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
+TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
+
+ROLES = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
+_AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
+
+
+@dataclass(frozen=True)
+class Part:
+    """One strategy or avoidance whose code a kernel holds.
+
+    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell.
+    """
+
+    kind: str
+    role: str
+    name: str
+    mixed: bool
+
+    @property
+    def strategy(self) -> Any:
+        """Give the class with its hooks."""
+        where: Any = self.kind if self.role == "strategy" else "avoidance"
+        return registry.load(where, self.name)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What all scenarios of one batch must have in common: the kind of world, and what is measured in it.
+
+    unicycles, slow: which kinds of agents are driven so, and which have a least speed; cells: of the coverage grid, (0, 0)
+    without one.
+    """
+
+    dim: int
+    boundary: str
+    wrap_sight: bool
+    contact: str
+    verlet: bool
+    targeted: bool
+    counts_hits: bool
+    clear: bool
+    shapes: tuple[str, str]
+    capped: tuple[bool, bool]
+    unicycles: tuple[str, ...]
+    slow: tuple[str, ...]
+    measures: tuple[str, ...]
+    cells: tuple[int, int]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "Frame":
+        """Find the frame of a scenario."""
+        world, agents = scenario.world, {"prey": scenario.prey, "predators": scenario.predators}
+        cell = scenario.coverage.cell
+        return cls(
+            dim=world.dim,
+            boundary=world.boundary,
+            wrap_sight=world.boundary == "periodic" and world.wrap_sight,
+            contact=world.contact,
+            verlet=world.scheme == "verlet",
+            targeted=scenario.target.present,
+            counts_hits=scenario.obstacles.contact == "count",
+            clear=scenario.obstacles.clear,
+            shapes=(scenario.prey.spawn.shape, scenario.predators.spawn.shape),
+            capped=(scenario.prey.spawn.capped, scenario.predators.spawn.capped),
+            unicycles=tuple(kind for kind, each in agents.items() if each.drive == "unicycle"),
+            slow=tuple(kind for kind, each in agents.items() if each.min_speed > 0),
+            measures=scenario.measures.names,
+            cells=(int(np.ceil(world.size[0] / cell)), int(np.ceil(world.size[1] / cell))) if cell else (0, 0),
+        )
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What selects a kernel's code: two batches with equal structures share one kernel.
+
+    hunted: whether there are predators at all.
+    """
+
+    frame: Frame
+    parts: tuple[Part, ...]
+    hunted: bool
+
+    @classmethod
+    def of(cls, scenarios: Sequence[Scenario], predator_count: int) -> "Structure":
+        """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
+
+        Errors: ScenarioError when their worlds are of different kinds.
+        """
+        frames = {Frame.of(scenario) for scenario in scenarios}
+        if len(frames) > 1:
+            one, other = list(frames)[:2]
+            name = next(field.name for field in fields(Frame) if getattr(one, field.name) != getattr(other, field.name))
+            told = f"{getattr(one, name)} and {getattr(other, name)}"
+            raise ScenarioError(f"batch: scenarios differ in {name} ({told}); run them one after the other")
+        hunted = predator_count > 0
+        parts = []
+        for kind, role in ROLES if hunted else ROLES[:2]:
+            chosen = [_chosen_parts(scenario, kind, role) for scenario in scenarios]
+            for name in sorted(set().union(*chosen)):
+                parts.append(Part(kind, role, name, mixed=not all(name in each for each in chosen)))
+        return cls(frames.pop(), tuple(parts), hunted)
+
+
+def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
+    where: Any = kind if role == "strategy" else "avoidance"
+    return registry.parts(where, getattr(getattr(scenario, kind), role))
+
+
+def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
+    """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
+    row = iter(range(100))
+
+    def vector() -> list[int]:
+        return [next(row) for _ in range(dim)]
+
+    def trap() -> SimpleNamespace:
+        """See traps.py."""
+        vectors = {name: vector() for name in ("anchor", "last", "total")}
+        names = ("held", "path", "counted", "time", "spin", "most", "spin_sum", "most_sum")
+        return SimpleNamespace(**vectors, **{name: next(row) for name in names})
+
+    return SimpleNamespace(
+        place=vector(),
+        motion=vector(),
+        alive=next(row),
+        fate=next(row),
+        field=vector(),
+        seen=next(row),
+        hit=next(row),  # predators: touches prey; prey: has been inside an obstacle
+        next_place=vector(),
+        next_motion=vector(),
+        heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
+        label=next(row) if "groups" in measures else -1,
+        trap=trap() if set(TRAPS) & set(measures) else None,
+        count=next(row),
+    )
+
+
+class Layout:
+    """Where each number of a batch lies in its table, by structure.
+
+    at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
+    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; board: rows of what
+    predators' surveys write, fixed ones and for each prey; parts(kind, role): what kernels loop over, each with its class
+    (strategy), the hooks it has of its own (own), and its structs.
+    """
+
+    def __init__(self, structure: Structure, lanes: Any) -> None:
+        self.structure = structure
+        self.paths: list[str] = []
+        self.axes = range(structure.frame.dim)
+        frame = structure.frame
+        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures)
+        self.obstacle_rows = structure.frame.dim + 1
+        self.at = SimpleNamespace(
+            dt=self._column("world.dt"),
+            ticks=self._column("world.ticks"),
+            size=self._vector("world.size"),
+            margin=self._column("world.margin"),
+            turn_factor=self._column("world.turn_factor"),
+            after=self._column("measures.after"),
+            distance=self._column("measures.distance"),
+            cell=self._column("coverage.cell"),
+            tool=self._column("coverage.tool"),
+            target=SimpleNamespace(place=self._vector("target.position"), radius=self._column("target.radius")),
+            obstacles=SimpleNamespace(
+                count=self._column("obstacles.count"),
+                radius=[self._column(f"obstacles.radius.{end}") for end in (0, 1)],
+                region=self._box("obstacles.region"),
+            ),
+        )
+        for kind in ("prey", "predators"):
+            names = [*_AGENT_NUMBERS, *(["ahead", "max_turn"] if kind in structure.frame.unicycles else [])]
+            names += ["min_speed"] if kind in structure.frame.slow else []
+            columns = {name: self._column(f"{kind}.{name}") for name in names}
+            spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
+            setattr(self.at, kind, SimpleNamespace(**columns, **spawn))
+        if self.rows.trap:
+            self.at.trap = SimpleNamespace(**{name: self._column(f"measures.{name}") for name in ("window", "within", "path")})
+        self._parts: list[SimpleNamespace] = []
+        self.agent_rows = {"prey": self.rows.count, "predators": self.rows.count}
+        self.board = SimpleNamespace(fixed=0, each=0)
+        for part in structure.parts:
+            self._add(part, lanes)
+
+    def _column(self, path: str) -> int:
+        self.paths.append(path)
+        return len(self.paths) - 1
+
+    def _vector(self, path: str) -> list[int]:
+        return [self._column(f"{path}.{axis}") for axis in self.axes]
+
+    def _box(self, path: str) -> SimpleNamespace:
+        return SimpleNamespace(low=self._vector(f"{path}.0"), high=self._vector(f"{path}.1"))
+
+    def _add(self, part: Part, lanes: Any) -> None:
+        strategy = part.strategy
+        weights = [field.name for field in fields(strategy.Weights)]
+        derived = list(strategy.derived({name: np.zeros(1) for name in weights}))
+        names = ["on", *weights, *derived]
+        memory = self._names(getattr(strategy, "memory", ()))
+        notes = self._names(strategy.notes) or ["nothing"]
+        row = self.agent_rows[part.kind]
+        self.agent_rows[part.kind] += len(memory)
+        board = SimpleNamespace(**vars(self.board))  # where its own rows begin
+        if part.kind == "predators" and part.role == "strategy":
+            fixed, each = strategy.board_rows(len(self.axes))
+            self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
+        self._parts.append(
+            SimpleNamespace(
+                part=part,
+                strategy=strategy,
+                own=[hook for hook in vars(_base_of(strategy)) if _overrides(strategy, hook)],
+                names=names,
+                columns=[self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names],
+                memory=memory,
+                memory_rows=list(range(row, row + len(memory))),
+                board=board,
+                Weights=ti.types.struct(**dict.fromkeys(names, lanes)),
+                Memory=ti.types.struct(**dict.fromkeys(memory or ["nothing"], lanes)),
+                note_names=notes,
+                Notes=ti.types.struct(**dict.fromkeys(notes, lanes)),
+            )
+        )
+
+    def _names(self, names: Sequence[str]) -> list[str]:
+        """List names, one an axis for "NAME*"."""
+        spread = [[f"{name[:-1]}_{'xyz'[k]}" for k in self.axes] if name.endswith("*") else [name] for name in names]
+        return [name for each in spread for name in each]
+
+    def parts(self, kind: str, role: str, hook: str | None = None) -> list[SimpleNamespace]:
+        """List the parts of a role, or those of them that have a hook of their own."""
+        found = [each for each in self._parts if (each.part.kind, each.part.role) == (kind, role)]
+        return found if hook is None else [each for each in found if hook in each.own]
+
+    def shown(self, kind: str) -> dict[str, int]:
+        """Map what agents see of each other's memory to its row."""
+        return {
+            name: row
+            for each in self.parts(kind, "strategy")
+            for name, row in zip(each.memory, each.memory_rows, strict=True)
+            if name in self._names(getattr(each.strategy, "shown", ()))
+        }
+
+    def table(self, scenarios: Sequence[Scenario], weights: Mapping[str, np.ndarray] | None = None) -> np.ndarray:
+        """Lay the numbers of scenarios out, one row each: [row, column], float64.
+
+        weights: path -> [trial], numbers that differ from trial to trial; then one scenario gives as many rows as trials.
+        """
+        every = [scenario.numbers() for scenario in scenarios]
+        rows = len(next(iter(weights.values()))) if weights else len(every)
+
+        def numbers(path: str) -> np.ndarray:
+            if weights and path in weights:
+                return np.asarray(weights[path], np.float64)
+            values = np.array([each.get(path, 0.0) for each in every])
+            return values if len(values) == rows else np.repeat(values, rows)
+
+        columns = {path: numbers(path) for path in self.paths if ":" not in path}
+        for each in self._parts:
+            part = each.part
+            own = {field.name: numbers(f"{part.kind}.weights.{field.name}") for field in fields(each.strategy.Weights)}
+            on = np.array([float(part.name in _chosen_parts(scenario, part.kind, part.role)) for scenario in scenarios])
+            own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
+            columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
+        return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
+
+
+def _base_of(strategy: type) -> type:
+    """Give Prey, Predator or Avoidance, which list all hooks."""
+    return [cls for cls in strategy.__mro__ if cls is not object][-1]
+
+
+def _overrides(strategy: type, hook: str) -> bool:
+    return getattr(strategy, hook) is not getattr(_base_of(strategy), hook)

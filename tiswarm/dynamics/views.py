@@ -1,0 +1,115 @@
+"""Observe: what terms and strategies see of the world, as structs of lanes read from a block's arrays."""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics.table import Layout
+from tiswarm.simd.lanes import coordinates
+
+
+def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
+    """Build the structs and the funcs that fill them.
+
+    The n-th agent of block b begins at row (b * count + n) * rows of its array: one index an agent, its numbers side by
+    side. More indices or one array per number cost more instructions to address than the term itself.
+    """
+    lanes, real = types.lanes, types.real
+    at, rows = layout.at, layout.rows
+    width = len(layout.paths)
+    dim = layout.structure.frame.dim
+    target_columns = [*at.target.place, at.target.radius]
+    periodic = layout.structure.frame.boundary == "periodic"
+    wrap_sight = layout.structure.frame.wrap_sight
+
+    def axes(*names: str) -> list[str]:
+        return [name + axis for name in names for axis in "xyz"[:dim]]
+
+    def struct(names: list[str], **others):
+        return ti.types.struct(**dict.fromkeys(names, lanes), **others)
+
+    state = axes("", "v")
+    limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
+    see = SimpleNamespace(
+        # shown: what strategies show of their memory; number: 1, 2, ...; odd: 1 where that is odd, else 0
+        Me={kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
+        Mate={kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
+        Mates=struct(["n", *state, *axes("push_")]),  # see flocking.see_mate
+        Threat=struct(["n", *axes("")]),  # n: predators in sight; x, y: Σ (p - q) over them
+        Swarm=struct(["n", *state, "age"]),  # alive prey: how many, mean position and velocity; ticks run
+        Target=struct([*axes(""), "radius"]),
+        Obstacle=struct([*axes(""), "radius"]),
+        Dice=struct(["a", "b"]),  # uniform in [0, 1)
+        Limits=struct(limits),
+    )
+
+    @ti.func
+    def limits_of(numbers: ti.template(), b, columns: ti.template()):
+        n = b * width
+        return see.Limits(*[numbers[n + column] for column in ti.static([getattr(columns, name) for name in limits])])
+
+    def sees(kind: str):
+        Me, Mate = see.Me[kind], see.Mate[kind]  # noqa: N806 - types
+        shown = list(layout.shown(kind).values())
+        first = [*rows.place, *rows.motion, rows.alive]
+        mate_rows = [*first, *shown]
+
+        @ti.func
+        def me_at(agents: ti.template(), a, i, limits: ti.template()):
+            return Me(
+                *[agents[a + row] for row in ti.static(first)],
+                *ti.static([getattr(limits, name) for name in limits.keys]),
+                *[agents[a + row] for row in ti.static(shown)],
+                ti.cast(i + 1, real),
+                ti.cast((i + 1) & 1, real),
+            )
+
+        @ti.func
+        def mate_at(agents: ti.template(), a, i):
+            state = [agents[a + row] for row in ti.static(mate_rows)]
+            return Mate(*state, ti.cast(i + 1, real), ti.cast((i + 1) & 1, real))
+
+        return me_at, mate_at
+
+    see.me_at, see.mate_at = {}, {}
+    for kind in layout.agent_rows:
+        see.me_at[kind], see.mate_at[kind] = sees(kind)
+
+    @ti.func
+    def obstacle_at(obstacles: ti.template(), b, count, j):
+        o = (b * count + j) * layout.obstacle_rows
+        return see.Obstacle(*[obstacles[o + row] for row in ti.static(range(dim + 1))])
+
+    @ti.func
+    def target_of(numbers: ti.template(), b):
+        n = b * width
+        return see.Target(*[numbers[n + column] for column in ti.static(target_columns)])
+
+    @ti.func
+    def weights_of(p: ti.template(), numbers: ti.template(), b):
+        n = b * width
+        return p.Weights(*[numbers[n + column] for column in ti.static(p.columns)])
+
+    @ti.func
+    def away(me: ti.template(), other: ti.template(), numbers: ti.template(), b, wrapped: ti.template()):
+        """Give the way from the other to me; where it is wrapped, the shortest of its images in a periodic world."""
+        way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
+        if ti.static(wrapped):
+            for k in ti.static(range(dim)):
+                size = numbers[b * width + at.size[k]]
+                way[k] = way[k] - size * ti.floor(way[k] / size + 0.5)
+        return way
+
+    @ti.func
+    def sight(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from what I see: across a periodic edge where that is shorter and sight wraps."""
+        return away(me, other, numbers, b, wrap_sight)
+
+    @ti.func
+    def gap(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from another body, whatever anybody sees."""
+        return away(me, other, numbers, b, periodic)
+
+    see.limits_of, see.obstacle_at, see.target_of, see.weights_of = limits_of, obstacle_at, target_of, weights_of
+    see.sight, see.gap = sight, gap
+    return see

@@ -1,0 +1,1 @@
+"""Engine: the loops, and which of them runs a scenario."""

@@ -1,0 +1,94 @@
+"""Neighbours: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
+
+from math import prod
+
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.model import Scenario
+from tiswarm.strategies import registry
+
+CROSSOVER = 400
+"""With so many prey out of each other's reach a grid is faster than comparing all pairs (tests/benchmarks/crossover.py)."""
+
+ALWAYS = 1600
+"""With so many prey it is faster even where everybody is in reach: its lanes are one trial's agents."""
+
+MOST_PAIRED = 10_000
+"""Comparing all pairs of more agents than this takes longer than anybody waits."""
+
+
+def by_grid(scenario: Scenario) -> bool:
+    """Tell whether a scenario runs on a grid of neighbours: the same for one trial and for many.
+
+    Errors: ScenarioError where what is asked for cannot be.
+    """
+    chosen = scenario.world.neighbours
+    if chosen == "grid":
+        check(scenario)
+        return True
+    most = max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count)
+    if chosen == "auto" and (most > MOST_PAIRED or (_pays(scenario) and not _refused(scenario))):
+        check(scenario)
+        return True
+    check_pairs(most)
+    return False
+
+
+def check_pairs(most: int) -> None:
+    """Raise ScenarioError for more agents of a kind than anybody waits for."""
+    if most > MOST_PAIRED:
+        raise ScenarioError(f"world.neighbours: all pairs of {most:,} agents are too many to compare; set it to 'grid'")
+
+
+def _pays(scenario: Scenario) -> bool:
+    """Tell whether a grid is faster than comparing all pairs."""
+    reach = reach_of(scenario, "prey")
+    share = prod(min(1.0, 3 * reach / side) for side in scenario.world.size)  # of the world, in the cells that are visited
+    return scenario.prey.count >= ALWAYS or scenario.prey.count * (1 - share) >= CROSSOVER
+
+
+def check(scenario: Scenario) -> None:
+    """Raise ScenarioError for what a grid of neighbours cannot do."""
+    path = _refused(scenario)
+    if path:
+        told = scenario
+        for key in path.split("."):
+            told = getattr(told, key)
+        raise ScenarioError(
+            f"{path}: a grid of neighbours cannot do {told!r}; change it, or set world.neighbours to 'all-pairs'"
+        )
+
+
+def _refused(scenario: Scenario) -> str:
+    """Name the first key that only comparing all pairs can do, or nothing."""
+    world, predators = scenario.world, scenario.predators
+    hunters = registry.parts("predators", predators.strategy) if predators.count else ()
+    refused = {
+        "world.contact": world.contact == "bounce",
+        "world.wrap_sight": world.boundary == "periodic" and not world.wrap_sight,
+        "measures.names": bool(scenario.measures.names),
+        "coverage.cell": scenario.coverage.cell > 0,
+        "predators.strategy": any("survey" in vars(registry.load("predators", name)) for name in hunters),
+    }
+    return next((path for path, impossible in refused.items() if impossible), "")
+
+
+def reach_of(scenario: Scenario, kind: str) -> float:
+    """Give how far away agents of a kind, or obstacles, may matter to whoever visits them [m]."""
+    prey, predators = scenario.prey, scenario.predators
+    sights = [
+        registry.load("prey", name).sight(prey.weights, prey.perception)
+        for name in registry.parts("prey", prey.strategy)
+        if {"observe", "beware"} & vars(registry.load("prey", name)).keys()
+    ]
+    touch = prey.radius + predators.radius
+    if kind == "prey":
+        return max([prey.perception, touch, *(mates for mates, _ in sights), 1e-6])
+    if kind == "predators":
+        return max([predators.perception, prey.perception, touch, *(hunters for _, hunters in sights), 1e-6])
+    heeds = [
+        registry.load("avoidance", name).sight(agents.weights)
+        for agents in (prey, predators)
+        for name in registry.parts("avoidance", agents.avoidance)
+        if {"field", "blocks", "look", "deflect"} & vars(registry.load("avoidance", name)).keys()
+    ]
+    return scenario.obstacles.radius[1] + max([prey.radius, predators.radius, *heeds, 1e-6])

@@ -1,0 +1,1 @@
+"""Swarms: few large trials, eight agents in the lanes, cell lists."""

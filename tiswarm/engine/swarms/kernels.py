@@ -1,0 +1,297 @@
+"""Stride: the kernels of a tick of large swarms: how all agents of a kind move, and means over whole swarms.
+
+A crowd (visit.py) has cold rows by number as well: see carry.py. Means are sums over fixed pieces of the slots, added up in
+their order, so that no bit depends on threads.
+"""
+
+from types import SimpleNamespace
+from typing import Any
+
+import taichi as ti
+
+from tiswarm.dynamics import steering
+from tiswarm.dynamics.table import Layout
+from tiswarm.engine.swarms import transfer
+from tiswarm.engine.swarms.transfer import LOOP, share_of
+from tiswarm.simd.lanes import Together, motion, place
+from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
+
+# What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
+AGE, FIRST, KEY_LOW, KEY_HIGH, MOVED, CLOCK = range(6)
+
+PIECE = 128
+"""Blocks whose sums are added up first: the order of summation does not depend on threads."""
+
+
+def build(
+    layout: Layout,
+    types: SimpleNamespace,
+    see: SimpleNamespace,
+    senses: SimpleNamespace,
+    near: SimpleNamespace,
+    uniform: Any,
+    mortal: bool,
+) -> SimpleNamespace:
+    """Build the kernels move_prey, move_predators, drift, begin, remember, average, order, and `plain` ones for prey alone."""
+    lanes, integers, real = types.lanes, types.integer_lanes, types.real
+    dim, frame = len(layout.axes), layout.structure.frame
+    driven = steering.build(layout, types, see, senses, uniform)
+    steps = driven.steps
+    carried = {kind: transfer.build(layout, types, see, senses, kind, mortal) for kind in ("prey", "predators")}
+    saved = {kind: carried[kind].saves(getattr(near, kind)) for kind in carried}
+    deep = transfer.scratch_rows(layout)
+    flat = types.lane_array(1)
+    cold_array = ti.types.ndarray(dtype=real, ndim=1)
+    whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
+
+    @ti.func
+    def end_of(crowd: ti.template(), alive_end: ti.template(), block):
+        """Give the slot behind the last agent of a block, its first slot where there is none."""
+        trial = block * LANES // crowd.whole[SLOTS]
+        return ti.max(ti.min((block + 1) * LANES, alive_end(crowd.whole, trial)), block * LANES)
+
+    @ti.func
+    def swarm_at(means: ti.template(), trial, age):
+        told = [lanes(means[trial * (2 * dim + 2) + k]) for k in ti.static(range(2 * dim + 1))]
+        return see.Swarm(*told, lanes(age))
+
+    @ti.func
+    def draw_of(clock: ti.template(), trial, index):
+        key_low, key_high = ti.cast(clock[KEY_LOW], ti.u32), ti.cast(clock[KEY_HIGH], ti.u32)
+        own = integers(ti.cast(trial + clock[FIRST], ti.u32))
+        tick = integers(ti.cast(clock[AGE], ti.u32))
+        return Together(key_low=key_low, key_high=key_high, trial=own, index=index, tick=tick)
+
+    def moves(kind: str):
+        ferry, save, alive_end = carried[kind], saved[kind], getattr(near, kind).alive_end
+        drive_one, step_of = getattr(driven, kind), getattr(steps, kind)
+
+        @ti.func
+        def move_block(
+            crowds: ti.template(), scratch: ti.template(), a, numbers: ti.template(), means: ti.template(), block, count,
+            prey_count, clock: ti.template(),
+        ):  # fmt: skip
+            """Move a block of agents; slots without one are written, too, for the sort."""
+            crowd = crowds.of(kind)
+            trial = block * LANES // crowd.whole[SLOTS]
+            end = end_of(crowd, alive_end, block)
+            if end > block * LANES:
+                me, index = ferry.load(scratch, a, crowd, numbers, count, block, end)
+                here = Together(
+                    prey=crowds.prey, predators=crowds.predators, obstacles=crowds.obstacles, numbers=numbers,
+                    trial=trial, block=block, end=end, count=prey_count,
+                )  # fmt: skip
+                draw = draw_of(clock, trial, index)
+                target = see.target_of(numbers, 0)
+                swarm = swarm_at(means, trial, ti.cast(clock[AGE], real))
+                drive_one(here, draw, scratch, a, me, numbers, 0, swarm, target)
+                step_of.commit(scratch, a, numbers, 0)
+                ferry.save_rows(scratch, a, crowd, count, block, end)
+            save(scratch, a, crowd, block, end)
+
+        return move_block
+
+    move_prey_block = moves("prey")
+    move_predator_block = moves("predators") if layout.structure.hunted else None
+
+    def kernel_of(kind: str, move_block: Any):
+        column = 0 if kind == "prey" else 1
+
+        @ti.kernel
+        def move(
+            prey_agents: near.prey.agent_array, prey_whole: whole_array, prey_reals: near.prey.real_array,
+            prey_cold: cold_array, prey_order: whole_array,
+            predator_agents: near.predators.agent_array, predator_whole: whole_array, predator_reals: near.predators.real_array,
+            predator_cold: cold_array, moving_rows: near.prey.row_array,
+            obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
+            scratch: flat, numbers: flat, means: cold_array, clock: whole_array,
+            prey_count: ti.i32, predator_count: ti.i32,
+        ):  # fmt: skip
+            for index in range(LOOP):
+                if index % TASK == 0:
+                    chunk = index // TASK
+                    prey = Together(
+                        agents=prey_agents, whole=prey_whole, rows=moving_rows, reals=prey_reals, cold=prey_cold,
+                        order=prey_order,
+                    )  # fmt: skip
+                    predators = Together(
+                        agents=predator_agents, whole=predator_whole, rows=moving_rows, reals=predator_reals,
+                        cold=predator_cold,
+                    )  # fmt: skip
+                    obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
+                    crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
+                    crowd = ti.static(prey_whole if kind == "prey" else predator_whole)
+                    count = ti.Vector([prey_count, predator_count])[column]
+                    begin, end = share_of(chunk, crowd[SLOTS] * crowd[TRIALS] // LANES)
+                    for block in range(begin, end):
+                        move_block(
+                            crowds, scratch, chunk * deep, numbers, means, block, count, prey_count, clock,
+                        )  # fmt: skip
+
+        return move
+
+    @ti.func
+    def plain_block(prey: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, block):
+        """Move a block of prey that meet nobody but each other."""
+        crowds = Together(prey=prey, predators=0, obstacles=0)
+        a = chunk * deep
+        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, prey.whole)
+
+    @ti.kernel
+    def move_plain(
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
+        scratch: flat, numbers: flat,
+    ):  # fmt: skip
+        for index in range(LOOP):
+            if index % TASK == 0:
+                prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+                begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                for block in range(begin, end):
+                    plain_block(prey, scratch, numbers, index // TASK, block)
+
+    @ti.kernel
+    def run_plain(
+        agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
+        scratch: flat, numbers: flat, ticks: ti.i32,
+    ):  # fmt: skip
+        """Run many ticks on one thread."""
+        ti.loop_config(serialize=True)
+        for _ in range(ticks):
+            prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+            for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
+                plain_block(prey, scratch, numbers, 0, block)
+            near.prey.arrange(agents, whole)
+
+    def revises(kind: str, revise):
+        """Build a kernel that lets `revise` change what agents of a kind remember."""
+        ferry, funcs = carried[kind], getattr(near, kind)
+
+        @ti.kernel
+        def revised(
+            agents: funcs.agent_array, whole: whole_array, cold: cold_array, scratch: flat, numbers: flat, seen: cold_array,
+            count: ti.i32,
+        ):  # fmt: skip
+            for index in range(LOOP):
+                if index % TASK == 0:
+                    crowd = Together(agents=agents, whole=whole, cold=cold)
+                    a = index // TASK * deep
+                    first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
+                    for block in range(first, last):
+                        end = end_of(crowd, funcs.alive_end, block)
+                        if end > block * LANES:
+                            me, _ = ferry.load(scratch, a, crowd, numbers, count, block, end)
+                            revise(scratch, a, me, numbers, lanes(seen[block * LANES // whole[SLOTS]]))
+                            ferry.save_rows(scratch, a, crowd, count, block, end)
+                            ferry.save_shown(scratch, a, crowd, block, end)
+
+        return revised
+
+    @ti.func
+    def begin(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):  # noqa: ARG001 - as its sisters
+        """Give a prey's memory its first values, and a heading to a unicycle."""
+        fresh = lanes(1.0) > 0.5
+        driven.begin(scratch, a, me, numbers, 0, fresh)
+        if ti.static("prey" in frame.unicycles):
+            steps.prey.face(scratch, a, fresh)
+
+    @ti.func
+    def face(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):  # noqa: ARG001 - as its sisters
+        """Let a predator that is a unicycle head where it moves."""
+        steps.predators.face(scratch, a, lanes(1.0) > 0.5)
+
+    @ti.func
+    def remember(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):
+        """Update a prey's memory. seen: how many predators all prey of its trial together saw in the last move."""
+        driven.remember(scratch, a, me, numbers, 0, seen)
+
+    def drifts(kind: str):
+        funcs = getattr(near, kind)
+
+        @ti.kernel
+        def drift(agents: funcs.agent_array, whole: whole_array, reals: funcs.real_array, numbers: flat):
+            """Half a step with the old velocity (Verlet), to where the sort expects moved agents."""
+            total = whole[SLOTS] * whole[TRIALS]
+            for slot in range(total):
+                trial = slot // whole[SLOTS]
+                half = 0.5 * numbers[layout.at.dt][0]
+                moved = agents[slot]
+                for k in ti.static(range(dim)):
+                    moved[k] += half * moved[dim + k]
+                    if ti.static(frame.boundary == "periodic"):
+                        size = numbers[layout.at.size[k]][0]
+                        moved[k] = moved[k] - size * ti.floor(moved[k] / size)
+                        moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
+                place = whole[CELLS] - 1
+                if slot < funcs.alive_end(whole, trial):
+                    place = funcs.place_of(moved, whole, reals)
+                whole[HEAD + slot] = trial * whole[CELLS] + place
+                whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
+                agents[total + slot] = moved
+
+        return drift
+
+    @ti.kernel
+    def average(agents: near.prey.agent_array, whole: whole_array, sums: flat, means: cold_array):
+        """Write number, mean position and mean velocity of each trial's prey. sums: rows of lanes, some for each piece."""
+        blocks = whole[SLOTS] // LANES
+        pieces = (blocks + PIECE - 1) // PIECE
+        for index in range(pieces * whole[TRIALS] * TASK):
+            if index % TASK == 0:
+                piece = index // TASK
+                trial = piece // pieces
+                end = near.prey.alive_end(whole, trial)
+                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 2))])
+                first = trial * blocks + piece % pieces * PIECE
+                for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
+                    here = lanes(
+                        [ti.select(block * LANES + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))]
+                    )
+                    own.n += here
+                    for k in ti.static(range(dim)):
+                        place(own)[k] += here * lanes([agents[block * LANES + lane][k] for lane in ti.static(range(LANES))])
+                        motion(own)[k] += here * lanes(
+                            [agents[block * LANES + lane][dim + k] for lane in ti.static(range(LANES))]
+                        )
+                row = piece * (2 * dim + 1)
+                sums[row] = own.n
+                for k in ti.static(range(dim)):
+                    sums[row + 1 + k] = place(own)[k]
+                    sums[row + 1 + dim + k] = motion(own)[k]
+        for trial in range(whole[TRIALS]):
+            at = trial * (2 * dim + 2)
+            for k in ti.static(range(2 * dim + 1)):
+                total = lanes(0.0)
+                for piece in range(trial * pieces, (trial + 1) * pieces):
+                    total += sums[piece * (2 * dim + 1) + k]
+                means[at + k] = total.sum()
+            share = 1.0 / ti.max(means[at], 1.0)
+            for k in ti.static(range(2 * dim)):
+                means[at + 1 + k] = share * means[at + 1 + k]
+
+    @ti.kernel
+    def rank(whole: whole_array, order: whole_array, count: ti.i32):
+        """Write which slot the agent of each number is in, -1 for those who are gone."""
+        for at in range(whole[TRIALS] * count):
+            order[at] = -1
+        for slot in range(whole[SLOTS] * whole[TRIALS]):
+            trial = slot // whole[SLOTS]
+            if slot < near.prey.alive_end(whole, trial):
+                order[trial * count + carried["prey"].number_in(whole, slot)] = slot
+
+    return SimpleNamespace(
+        move_prey=kernel_of("prey", move_prey_block),
+        move_predators=kernel_of("predators", move_predator_block) if layout.structure.hunted else None,
+        move_plain=move_plain,
+        run_plain=run_plain,
+        begin=revises("prey", begin),
+        face=revises("predators", face),
+        remember=revises("prey", remember),
+        drift_prey=drifts("prey"),
+        drift_predators=drifts("predators"),
+        average=average,
+        rank=rank,
+        starts=driven.starts or "prey" in frame.unicycles,
+        remembers=driven.remembers,
+        wide={kind: carried[kind].wide for kind in carried},
+    )

@@ -1,0 +1,156 @@
+"""Swarm: large swarms, one or many at once; eight agents that follow each other in cell order are the lanes of one thread."""
+
+from collections.abc import Callable, Iterator
+from operator import index
+
+import numpy as np
+
+from tiswarm.dynamics.table import Layout, Structure
+from tiswarm.engine.choice import check
+from tiswarm.engine.swarms import initial
+from tiswarm.engine.swarms.state import Crowds
+from tiswarm.records.labels import grouped, named
+from tiswarm.records.recording import FATES, Recording
+from tiswarm.records.recording import Swarm as Moment
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.start import Start
+from tiswarm.simd import runtime
+from tiswarm.strategies import registry
+
+AT_ONCE = 262_144
+"""Agents of trials that run at once: they fill both cores, and not the memory."""
+
+MOST_TRIALS = 2**31 - 1
+
+Paths = tuple[np.ndarray, np.ndarray]
+
+
+class Swarm(Crowds):
+    """Trials of a scenario with any number of agents, tick by tick; positions are read when they are asked for.
+
+    A single trial can be filmed while it runs (`render.film(Swarm(scenario), path)`).
+
+    trial: number of the first trial. All else is as in `Crowds`.
+    """
+
+    def __init__(
+        self, scenario: Scenario, seed: int = 0, trials: int = 1, trial: int = 0, start: Start | Paths | None = None
+    ) -> None:
+        """Draw the starts of `trials` trials from number `trial` on, the same as in a batch, or take an explicit one.
+
+        start: one for all trials; or positions and velocities of prey alone, [trial, agent, dim] each, m and m/s, NaN for those
+        who are not there: trials and agents are then counted there.
+
+        Errors: ScenarioError for what needs the trials of few agents (`neighbours = "all-pairs"`); ValueError for numbers that
+        are not finite.
+        """
+        seed, trials, trial = index(seed), index(trials), index(trial)
+        if trials < 1 or not 0 <= trial <= MOST_TRIALS - trials:
+            raise ValueError(
+                f"trials: {trials} from number {trial} on are not possible; use 1 or more, up to number {MOST_TRIALS}"
+            )
+        if isinstance(start, tuple):
+            start = tuple(np.asarray(each, np.float64) for each in start)
+            if start[0].ndim != 3 or start[0].shape != start[1].shape or start[0].shape[2] != scenario.world.dim:
+                told = " and ".join(str(each.shape) for each in start)
+                raise ValueError(f"start: positions and velocities {told} need [trial, agent, dim]")
+            trials = start[0].shape[0]
+        elif start is not None:
+            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
+            paths = ("prey.count", "predators.count", "obstacles.count")
+            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+        check(scenario)
+        layout = Layout(Structure.of([scenario], scenario.predators.count), runtime.types().lanes)
+        if isinstance(start, Start):
+            states = initial.given(start, trials)
+        else:
+            states = initial.drawn(scenario, layout, seed, trial, trials)
+            states = states if start is None else {**states, "prey": start}
+        super().__init__(scenario, layout, seed, trial, states)
+
+    def position(self, kind: str = "prey") -> np.ndarray:
+        """Give where the agents are: [trial, agent, dim], m, NaN for those who are gone."""
+        return self._crowds[kind].grid.gathered(slice(0, self.scenario.world.dim))
+
+    def velocity(self, kind: str = "prey") -> np.ndarray:
+        """Give their velocity: [trial, agent, dim], m/s, NaN for those who are gone."""
+        dim = self.scenario.world.dim
+        return self._crowds[kind].grid.gathered(slice(dim, 2 * dim))
+
+    def fate(self, kind: str = "prey") -> np.ndarray:
+        """Name what became of each agent so far: [trial, agent]."""
+        crowd = self._crowds[kind]
+        if not self._mortal:
+            return np.full((self.trials, crowd.grid.count), FATES[0])
+        return np.array(FATES)[crowd.row(self._layout.rows.fate)[:, : crowd.grid.count].astype(int)]
+
+    def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
+        """Give the agents' memory: strategy -> name -> [trial, agent]."""
+        crowd = self._crowds[kind]
+        rows = {
+            p.part.name: {
+                name: crowd.row(row)[:, : crowd.grid.count] for name, row in zip(p.memory, p.memory_rows, strict=True)
+            }
+            for p in self._layout.parts(kind, "strategy")
+        }
+        return {name: memory for name, memory in rows.items() if memory}
+
+    @property
+    def obstacle_position(self) -> np.ndarray:
+        """Give the centres of the first trial's obstacles: [obstacle, dim], m."""
+        here = self.position("obstacles")[0]
+        return here[np.isfinite(here[:, 0])]
+
+    @property
+    def obstacle_radius(self) -> np.ndarray:
+        """Give their radii: [obstacle], m."""
+        radii = self.velocity("obstacles")[0, :, 0]
+        return radii[np.isfinite(radii)]
+
+    def moment(self, kind: registry.Kind) -> Moment:
+        """Give the agents of the first trial as they are now, as one tick of a recording: arrays [agent, ...]."""
+        other = "predators" if kind == "prey" else "prey"
+        position = self.position(kind)[0]
+        memories = {name: {key: rows[0] for key, rows in each.items()} for name, each in self.memory(kind).items()}
+        state = named(self.scenario, kind, position, self.position(other)[0], memories)
+        return Moment(position, self.velocity(kind)[0], self.fate(kind)[0], state, grouped(self.scenario, kind, len(position)))
+
+    def record(self) -> Recording:
+        """Run the first trial to its end and keep its path."""
+        paths = [
+            Moment(
+                np.stack([each.position for each in own]),
+                np.stack([each.velocity for each in own]),
+                own[-1].fate,
+                np.stack([each.state for each in own]),
+                np.stack([each.group for each in own]),
+            )
+            for own in zip(*self, strict=True)
+        ]
+        return Recording(self.scenario, self.seed, self.trial, *paths, self.obstacle_position, self.obstacle_radius)
+
+    def __iter__(self) -> Iterator[tuple[Moment, Moment]]:
+        """Run the first trial to its end: give prey and predators now, then after each tick."""
+        yield self.moment("prey"), self.moment("predators")
+        while not self.ended[0]:
+            self.step()
+            yield self.moment("prey"), self.moment("predators")
+
+
+def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> dict[str, np.ndarray]:
+    """Run trials 0, 1, ... through a grid to their ends: name of an outcome (trials.OUTCOMES) -> [trial].
+
+    report: called with the number of trials done.
+    """
+    at_once = max(AT_ONCE // max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count, 1), 1)
+    found: list[dict[str, np.ndarray]] = []
+    for first in range(0, trials, at_once):
+        swarm = Swarm(scenario, seed, min(at_once, trials - first), first)
+        while not swarm.ended.all():
+            swarm.step()
+        names = ("alive", "arrived", "captured", "crashed")
+        counted = {name: swarm.counts[:, k] for k, name in enumerate(names)}
+        times = {"ticks": swarm.ended_at, "first_arrival": swarm.first_arrival, "last_arrival": swarm.last_arrival}
+        found.append(counted | times)
+        report(first + swarm.trials)
+    return {name: np.concatenate([each[name] for each in found]).astype(np.int32) for name in found[0]}

@@ -1,0 +1,274 @@
+"""Crowds: prey, predators and obstacles of large swarms in grids of their own, and what happens to them in a tick."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from tiswarm.dynamics import spawn, views
+from tiswarm.dynamics.table import Layout
+from tiswarm.engine.choice import reach_of
+from tiswarm.engine.swarms import contacts, initial, kernels, near_cells, transfer
+from tiswarm.scenario.model import Scenario
+from tiswarm.simd import philox, runtime
+from tiswarm.simd.launch import prepared
+from tiswarm.simd.runtime import LANES
+from tiswarm.space.cell_list import Grid
+from tiswarm.space.cells import Boundary, Space
+
+SMALL = 2_048
+"""Up to so many agents one thread is done before a second one has woken."""
+
+ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
+
+_built: dict[tuple[Any, ...], SimpleNamespace] = {}
+
+
+@dataclass
+class Crowd:
+    """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see carry.py."""
+
+    grid: Grid
+    cold: np.ndarray
+    kept: list[int]
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """Give what kernels take of the grid."""
+        return self.grid.agents, self.grid.whole, self.grid.reals
+
+    def row(self, row: int) -> np.ndarray:
+        """Give a view of a row of the agents by number: [trial, agent]."""
+        return self.cold[..., self.kept.index(row)]
+
+
+class Crowds:
+    """Trials of a scenario with any number of agents, tick by tick.
+
+    age: moves made so far. ticks: how many it may make. counts: [trial, (alive, arrived, captured, crashed)] of the prey.
+    ended: [trial], bool; ended_at, first_arrival, last_arrival: [trial], ticks, 0 where that has not happened yet.
+    """
+
+    def __init__(self, scenario: Scenario, layout: Layout, seed: int, trial: int, states: initial.States) -> None:
+        """Put everybody into grids. trial: number of the first trial. Errors: ValueError for numbers that are not finite."""
+        types, trials = runtime.types(), states["prey"][0].shape[0]
+        self.scenario, self.seed, self.trial = scenario, seed, trial
+        self.ticks, self.age = scenario.world.ticks, 0
+        self._layout = layout
+        self._mortal = bool(layout.structure.hunted or scenario.obstacles.count or scenario.target.present)
+        self._crowds = {}
+        for kind, (position, velocity) in states.items():
+            extra = len(layout.shown(kind)) if kind != "obstacles" else 0
+            grid = Grid(space_of(scenario, kind), reach_of(scenario, kind), position.shape[1], trials, extra)
+            grid.place(position, velocity)
+            kept = transfer.kept_rows(layout, kind, mortal=self._mortal) if kind != "obstacles" else []
+            cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
+            self._crowds[kind] = Crowd(grid, cold, kept)
+        self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
+        self._kernels = _kernels(layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self._mortal)
+        self._numbers = initial.numbers_of(scenario, layout)
+        self._scratch = runtime.aligned((transfer.CHUNKS * transfer.scratch_rows(layout), LANES), types.dtype)
+        prey = self._prey.grid
+        dim, pieces = scenario.world.dim, -(-prey.slots // LANES // kernels.PIECE)
+        self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), LANES), types.dtype)
+        self._means = np.zeros(trials * (2 * dim + 2), types.dtype)
+        self._order = np.zeros(trials * max(prey.count, 1), np.int32)
+        self._marks = [np.zeros(crowd.grid.total, types.dtype) for crowd in (self._prey, self._predators)]
+        self._tally = np.zeros((prey.total // LANES, 4), np.int32)
+        self.counts = np.zeros((trials, 4), np.int64)
+        self.counts[:, ALIVE] = prey.alive()
+        self.ended = np.zeros(trials, bool)
+        self.ended_at, self.first_arrival, self.last_arrival = np.zeros((3, trials), np.int64)
+        alive = layout.rows.alive
+        if self._mortal:
+            for crowd in (self._prey, self._predators):
+                crowd.row(alive)[:] = 1
+                crowd.row(alive)[:, : crowd.grid.count] = np.isfinite(crowd.grid.gathered(slice(0, 1))[..., 0])
+        self._clock = np.zeros(kernels.CLOCK, np.int32)
+        self._seen = np.zeros(trials, types.dtype)
+        self._clock[[kernels.FIRST, kernels.KEY_LOW, kernels.KEY_HIGH]] = np.array(
+            [self.trial, *philox.seed_words(self.seed)], np.uint32
+        ).view(np.int32)
+        self._ready: dict[str, Callable[..., None]] = {}
+        if self._kernels.starts:
+            self._revise("begin", self._prey)
+        if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
+            self._revise("face", self._predators)
+        self._judge(0)
+
+    @property
+    def _tools(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._scratch, self._numbers
+
+    @property
+    def grid(self) -> Grid:
+        """Give the prey's grid."""
+        return self._prey.grid
+
+    @property
+    def trials(self) -> int:
+        """Count the trials."""
+        return self._prey.grid.trials
+
+    @property
+    def nbytes(self) -> int:
+        """Count the bytes of all agents' arrays."""
+        return sum(crowd.grid.nbytes + crowd.cold.nbytes for crowd in self._crowds.values())
+
+    def step(self, ticks: int = 1) -> None:
+        """Run some ticks; small swarms that meet nobody run them in one go, which costs much less than one by one."""
+        grid = self._prey.grid
+        if not self._plain:
+            for _ in range(ticks):
+                self._tick()
+            return
+        arrays = (*self._prey.arrays, grid.rows, *self._tools)
+        if grid.total <= SMALL:
+            self._launch("run_plain", *arrays, ticks)
+        else:
+            for _ in range(ticks):
+                self._launch("move_plain", *arrays)
+                grid.sort()
+        self.age += ticks
+        self._judge(1)
+
+    @property
+    def _plain(self) -> bool:
+        """Tell whether prey meet nobody but each other and remember nothing."""
+        verlet = self._layout.structure.frame.verlet
+        return not (self._mortal or self._prey.kept or verlet or self._kernels.averages)
+
+    def _tick(self) -> None:
+        """Let the prey move, then the predators, then judge: as trials.py does."""
+        own, verlet = self._kernels, self._layout.structure.frame.verlet
+        hunted = self._layout.structure.hunted
+        counts = (self._prey.grid.count, self._predators.grid.count)
+        self._clock[kernels.AGE] = self.age
+        if verlet:
+            self._drift("prey")
+        self._average()
+        if own.ranks:
+            self._launch("rank", self._prey.grid.whole, self._order, self._prey.grid.count)
+        self._launch("move_prey", *self._everything("prey"), *self._tools, self._means, self._clock, *counts)
+        self._prey.grid.sort()
+        if own.remembers:
+            self._remember()
+        if hunted:
+            if verlet:
+                self._drift("predators")
+            self._average()
+            if own.ranks:
+                self._launch("rank", self._prey.grid.whole, self._order, self._prey.grid.count)
+            self._launch("move_predators", *self._everything("predators"), *self._tools, self._means, self._clock, *counts)
+            self._predators.grid.sort()
+        self.age += 1
+        self._judge(1)
+
+    def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
+        """Run a kernel on arrays that stay where they are, and whole numbers behind them: the call is made ready once."""
+        if name not in self._ready:
+            self._ready[name] = prepared(getattr(self._kernels, name), *arguments)
+        self._ready[name](*(each for each in arguments if isinstance(each, int)))
+
+    def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
+        prey, predators = self._prey, self._predators
+        return (
+            *prey.arrays,
+            prey.cold.ravel(),
+            self._order,
+            *predators.arrays,
+            predators.cold.ravel(),
+            self._crowds[moving].grid.rows,
+            *self._obstacles.arrays,
+        )
+
+    def _drift(self, kind: str) -> None:
+        grid = self._crowds[kind].grid
+        self._launch(f"drift_{kind}", grid.agents, grid.whole, grid.reals, self._numbers)
+        grid.sort()
+
+    def _average(self) -> None:
+        if self._kernels.averages:
+            grid = self._prey.grid
+            self._launch("average", grid.agents, grid.whole, self._sums, self._means)
+
+    def _remember(self) -> None:
+        prey, rows = self._prey, self._layout.rows
+        if rows.seen in prey.kept:
+            self._seen[:] = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
+        self._revise("remember", prey)
+
+    def _revise(self, name: str, crowd: Crowd) -> None:
+        arrays = (crowd.grid.agents, crowd.grid.whole, crowd.cold.ravel())
+        self._launch(name, *arrays, *self._tools, self._seen, crowd.grid.count)
+
+    def _judge(self, moved: int) -> None:
+        """Let agents die and arrive, and take them out of their cells."""
+        before = self.counts[:, ALIVE].copy()
+        if self._mortal:
+            prey, predators = self._prey, self._predators
+            hunters = predators.row(self._layout.rows.alive).sum()
+            self._clock[kernels.MOVED] = moved
+            self._launch(
+                "judge",
+                *prey.arrays,
+                prey.cold.ravel(),
+                *predators.arrays,
+                predators.cold.ravel(),
+                *self._obstacles.arrays,
+                *self._tools,
+                *self._marks,
+                self._tally.ravel(),
+                self._clock,
+                prey.grid.count,
+                predators.grid.count,
+            )
+            tally = self._tally.reshape(self.trials, -1, 4).sum(axis=1)
+            self.counts[:, ALIVE] = tally[:, ALIVE]
+            self.counts[:, ARRIVED:] += tally[:, ARRIVED:]
+            arrived = tally[:, ARRIVED] > 0
+            self.first_arrival[arrived & (self.first_arrival == 0)] = self.age
+            self.last_arrival[arrived] = self.age
+            if (self.counts[:, ALIVE] != before).any():
+                self._cull("prey")
+            if predators.row(self._layout.rows.alive).sum() != hunters:
+                self._cull("predators")
+        over = (self.counts[:, ALIVE] == 0) | (self.age >= self.ticks)
+        self.ended_at[over & ~self.ended] = min(self.age, self.ticks)
+        self.ended |= over
+
+    def _cull(self, kind: str) -> None:
+        crowd = self._crowds[kind]
+        self._launch(f"cull_{kind}", *crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
+        crowd.grid.sort()
+
+
+def space_of(scenario: Scenario, kind: str) -> Space:
+    """Give the space of a kind's grid. In open worlds prey fly anywhere; of the few others, those outside are in edge cells."""
+    world = scenario.world
+    boundary: Boundary = world.boundary
+    return Space(tuple(world.size), "walls" if boundary == "open" and kind != "prey" else boundary)
+
+
+def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
+    """Give the kernels for a structure and kinds of grids, built once per runtime."""
+    near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
+    key = (runtime.generation(), layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
+    if key not in _built:
+        types = runtime.types()
+        see = views.build(layout, types)
+        senses = near_cells.build(layout, types, see, near)
+        uniform = spawn.build(layout, types).uniform
+        own = kernels.build(layout, types, see, senses, near, uniform, mortal)
+        own.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
+            "observe" in p.own for p in layout.parts("predators", "strategy")
+        )
+        strategies = layout.parts("prey", "strategy")
+        own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
+        if mortal:
+            judging = contacts.build(layout, types, see, senses, near)
+            vars(own).update(vars(judging))
+        _built[key] = own
+    return _built[key]

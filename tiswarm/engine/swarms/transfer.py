@@ -1,0 +1,109 @@
+"""Carry: bring eight agents of a large swarm from their grid into the rows that a trial's funcs work on, and back.
+
+What mates see lies in the grid's records, in cell order; all else lies in rows by number, which no sorting moves ("cold").
+"""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics.table import Layout
+from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.space.cells import HEAD, SLOTS, TRIALS
+
+CHUNKS = 32
+"""Blocks of a swarm are dealt to threads in so many shares, each with scratch rows of its own."""
+
+
+def kept_rows(layout: Layout, kind: str, *, mortal: bool) -> list[int]:
+    """List the rows of an agent that a large swarm keeps from tick to tick beside place and motion: columns of the cold rows.
+
+    mortal: whether agents can die, arrive or be seen by opponents at all.
+    """
+    rows = layout.rows
+    kept = [rows.alive, rows.fate, rows.seen, rows.hit] if mortal else []
+    if layout.parts(kind, "avoidance", "field"):
+        kept += rows.field
+    if kind in layout.structure.frame.unicycles:
+        kept += rows.heading
+    return kept + list(range(rows.count, layout.agent_rows[kind]))
+
+
+def scratch_rows(layout: Layout) -> int:
+    """Count the scratch rows of a chunk: enough for either kind, so that chunks at work on different kinds never meet."""
+    return max(layout.agent_rows.values())
+
+
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, kind: str, mortal: bool):
+    """Build load, save_rows, save_record and blocks_of for agents of a kind."""
+    lanes, real = types.lanes, types.real
+    dim, rows = len(layout.axes), layout.rows
+    kept = kept_rows(layout, kind, mortal=mortal)
+    wide = len(kept)
+    moving = [*rows.place, *rows.motion]
+    shown = list(layout.shown(kind).values())
+    told_rows = moving + shown
+    columns = getattr(layout.at, kind)
+
+    @ti.func
+    def number_in(whole: ti.template(), slot):
+        """Give the number of the agent in a slot, from 0 within its trial."""
+        return whole[HEAD + whole[SLOTS] * whole[TRIALS] + slot]
+
+    @ti.func
+    def load(scratch: ti.template(), a, crowd: ti.template(), numbers: ti.template(), count, block, end):
+        """Load a block's agents; give them, and their numbers as integer lanes. Lanes from `end` on repeat the last agent."""
+        first = block * LANES
+        for k in ti.static(range(2 * dim)):
+            scratch[a + moving[k]] = lanes([crowd.agents[ti.min(first + lane, end - 1)][k] for lane in ti.static(range(LANES))])
+        scratch[a + rows.alive] = lanes(1.0)
+        trial = first // crowd.whole[SLOTS]
+        whom = [number_in(crowd.whole, ti.min(first + lane, end - 1)) for lane in ti.static(range(LANES))]
+        for k in ti.static(range(wide)):
+            scratch[a + kept[k]] = lanes(
+                [crowd.cold[(trial * count + whom[lane]) * wide + k] for lane in ti.static(range(LANES))]
+            )
+        number = lanes([ti.cast(whom[lane] + 1, real) for lane in ti.static(range(LANES))])
+        me = senses.me_of[kind](scratch, a, see.limits_of(numbers, 0, columns), number)
+        index = types.integer_lanes([ti.cast(whom[lane], ti.u32) for lane in ti.static(range(LANES))])
+        return me, index
+
+    @ti.func
+    def save_rows(scratch: ti.template(), a, crowd: ti.template(), count, block, end):
+        """Write the cold rows of a block's agents back."""
+        trial = block * LANES // crowd.whole[SLOTS]
+        for lane in ti.static(range(LANES)):
+            slot = block * LANES + lane
+            if slot < end:
+                at = (trial * count + number_in(crowd.whole, slot)) * wide
+                for k in ti.static(range(wide)):
+                    crowd.cold[at + k] = scratch[a + kept[k]][lane]
+
+    @ti.func
+    def save_shown(scratch: ti.template(), a, crowd: ti.template(), block, end):
+        """Write what agents show of their memory into their records."""
+        for lane in ti.static(range(LANES)):
+            if block * LANES + lane < end:
+                for k in ti.static(range(len(shown))):
+                    crowd.agents[block * LANES + lane][2 * dim + k] = scratch[a + shown[k]][lane]
+
+    def saves(near: SimpleNamespace):
+        @ti.func
+        def save_moved(scratch: ti.template(), a, crowd: ti.template(), block, end):
+            """Write a block's moved agents behind those in cell order, with their places in the table."""
+            told = [scratch[a + row] for row in ti.static(told_rows)]
+            near.put(crowd.agents, crowd.whole, crowd.rows, crowd.reals, told, block, end)
+
+        return save_moved
+
+    return SimpleNamespace(load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, wide=wide, number_in=number_in)
+
+
+@ti.func
+def share_of(chunk, blocks):
+    """Give the first and past the last block of a chunk's share."""
+    return blocks * chunk // CHUNKS, blocks * (chunk + 1) // CHUNKS
+
+
+LOOP = CHUNKS * TASK
+"""Iterations of a parallel loop that acts on every TASK-th index, once a chunk."""

@@ -1,0 +1,284 @@
+"""Batch: run the trials of one or many scenarios in chunks, or a single trial tick by tick."""
+
+from collections.abc import Callable, Mapping, Sequence
+from operator import index
+
+import numpy as np
+
+from tiswarm.dynamics.table import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
+from tiswarm.engine.choice import by_grid, check_pairs
+from tiswarm.engine.swarms import simulation
+from tiswarm.engine.trials import kernel
+from tiswarm.records.results import Results
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.model import LIMIT, Scenario
+from tiswarm.simd import philox, runtime
+from tiswarm.simd.runtime import LANES
+from tiswarm.strategies import registry
+from tiswarm.system.progress import reporting
+
+CHUNK = 16_384
+"""Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
+of the memory, since a trial in flight costs its outcomes, its place in the queue and the numbers of its own."""
+
+MOST_TRIALS = 100_000_000
+"""Outcomes of a batch stay in memory, 28 bytes a trial."""
+
+NO_LIMIT = 2**31 - 1
+
+Progress = bool | Callable[[int, int], None]
+Finished = Callable[[int, Results], None]
+
+
+class Blocks:
+    """The arrays that a kernel works on: one block of lanes per thread, whatever the number of trials.
+
+    Attributes are as the kernel's arguments of the same names (trials.py).
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
+        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
+        types = runtime.types()
+        self.blocks = blocks
+        self.counts = counts or (
+            max(scenario.prey.count for scenario in scenarios),
+            max(scenario.predators.count for scenario in scenarios),
+            max(scenario.obstacles.count for scenario in scenarios),
+        )
+        check_pairs(max(self.counts))
+        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1]))
+        prey, predators, obstacles = (max(count, 1) for count in self.counts)
+        rows = self.layout.agent_rows
+        self.dtype = types.dtype
+        self.prey = runtime.aligned((blocks * prey * rows["prey"], LANES), types.dtype)
+        self.predators = runtime.aligned((blocks * predators * rows["predators"], LANES), types.dtype)
+        self.obstacles = runtime.aligned((blocks * obstacles * self.layout.obstacle_rows, LANES), types.dtype)
+        self.numbers = runtime.aligned((blocks * len(self.layout.paths), LANES), types.dtype)
+        self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
+        self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
+        self.sums = runtime.aligned((blocks * sums, LANES), types.dtype)
+        self.ground = runtime.aligned((blocks * max(cells, 1), LANES), types.dtype)
+        board = self.layout.board
+        self.board = runtime.aligned((blocks * max(board.fixed + board.each * prey, 1), LANES), types.dtype)
+        self.measures = self.layout.structure.frame.measures
+
+    def outcomes(self, trials_count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Allocate what a batch writes down: [trial, outcome] and [trial, measure], one column at least."""
+        return (
+            np.zeros((trials_count, len(kernel.OUTCOMES)), np.int32),
+            np.zeros((trials_count, max(len(self.measures), 1)), self.dtype),
+        )
+
+    def advance(
+        self,
+        table: np.ndarray,
+        jobs: np.ndarray,
+        queue: np.ndarray,
+        results: np.ndarray,
+        measured: np.ndarray,
+        seed: int,
+        moves: int,
+    ) -> None:
+        """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
+        self.kernel(
+            self.prey,
+            self.predators,
+            self.obstacles,
+            self.numbers,
+            self.clock,
+            self.integer,
+            table,
+            jobs,
+            queue,
+            results,
+            self.sums,
+            self.ground,
+            measured,
+            self.board,
+            *self.counts,
+            *philox.seed_words(seed),
+            self.blocks,
+            moves,
+        )
+
+
+def simulate(
+    scenario: Scenario,
+    trials: int = 1000,
+    seed: int = 0,
+    progress: Progress = False,
+    weights: Mapping[str, np.ndarray] | None = None,
+) -> Results:
+    """Run trials 0, 1, ... of a scenario.
+
+    progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
+    weights: path of any numeric key -> [trial], a number for each trial: {"prey.weights.evade": array}.
+
+    Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that are not allowed.
+    """
+    trials, seed = _checked(trials, seed)
+    if weights:
+        if scenario.world.neighbours == "grid":
+            raise ScenarioError("weights: numbers of single trials need all pairs; set world.neighbours to 'all-pairs'")
+        counts = _check_weights(scenario, weights, trials)
+        return _run([scenario], trials, seed, progress, weights, counts)[0]
+    return simulate_many([scenario], trials, seed, progress)[0]
+
+
+def simulate_many(
+    scenarios: Sequence[Scenario],
+    trials: int = 1000,
+    seed: int = 0,
+    progress: Progress = False,
+    finished: Finished | None = None,
+) -> list[Results]:
+    """Run the same trials of several scenarios as one batch with one kernel, which holds the code of all of them.
+
+    Each scenario gets the same bits as on its own: code that it does not use counts with a weight of zero.
+    finished: called with a scenario's place and its results once its last trial is over, while others still run.
+    """
+    trials, seed = _checked(trials, seed)
+    gridded = [by_grid(scenario) for scenario in scenarios]
+    if any(gridded):
+        return _run_apart(scenarios, trials, seed, progress, finished)
+    return _run(list(scenarios), trials, seed, progress, finished=finished)
+
+
+def _run_apart(
+    scenarios: Sequence[Scenario], trials: int, seed: int, progress: Progress, finished: Finished | None
+) -> list[Results]:
+    """Run scenarios one after the other, large swarms among them through a grid."""
+    results: list[Results] = []
+    with reporting(progress, trials * len(scenarios), "trials") as report:
+        for scenario in scenarios:
+            done = trials * len(results)
+            if by_grid(scenario):
+                own = simulation.outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
+                results.append(Results.of(scenario, seed, runtime.start(), own, {}, None))
+            else:
+                results += _run([scenario], trials, seed, lambda here, _, done=done: report(done + here))  # type: ignore[misc]
+            if finished is not None:
+                finished(len(results) - 1, results[-1])
+    return results
+
+
+def _checked(trials: int, seed: int) -> tuple[int, int]:
+    """Give both as plain whole numbers. Errors: ValueError, or TypeError for what is no whole number."""
+    trials, seed = index(trials), index(seed)
+    philox.seed_words(seed)
+    if not 1 <= trials <= MOST_TRIALS:
+        raise ValueError(f"trials: {trials} is not possible; use 1 to {MOST_TRIALS:,}")
+    return trials, seed
+
+
+def _run(
+    scenarios: list[Scenario],
+    count: int,
+    seed: int,
+    progress: Progress,
+    weights: Mapping[str, np.ndarray] | None = None,
+    counts: tuple[int, int, int] | None = None,
+    finished: Finished | None = None,
+) -> list[Results]:
+    _check_live(scenarios)
+    blocks = Blocks(scenarios, runtime.start().threads, counts)
+    table = blocks.layout.table(scenarios).astype(blocks.dtype)
+    outcomes, measured = blocks.outcomes(len(scenarios) * count)
+    split, split_measured = (each.reshape(len(scenarios), count, -1) for each in (outcomes, measured))
+    results: list[Results] = []
+    with reporting(progress, len(outcomes), "trials") as report:
+        for first in range(0, len(outcomes), CHUNK):
+            jobs = np.arange(first, min(first + CHUNK, len(outcomes)))
+            if weights:
+                chunk = {path: np.asarray(values)[jobs] for path, values in weights.items()}
+                table = blocks.layout.table(scenarios, chunk).astype(blocks.dtype)
+            rows = jobs - first if weights else jobs // count
+            places = np.stack([rows, jobs % count], axis=1).astype(np.int32)
+            here = slice(jobs[0], jobs[-1] + 1)
+            queue = np.array([0, len(jobs)], np.int32)
+            blocks.advance(table, places, queue, outcomes[here], measured[here], seed, NO_LIMIT)
+            while (len(results) + 1) * count <= jobs[-1] + 1:  # the launch ran the last trials of these scenarios
+                own = dict(zip(kernel.OUTCOMES, split[len(results)].T, strict=True))
+                values = dict(zip(blocks.measures, split_measured[len(results)].T.astype(np.float64), strict=False))
+                results.append(Results.of(scenarios[len(results)], seed, runtime.start(), own, values, weights))
+                if finished is not None:
+                    finished(len(results) - 1, results[-1])
+            report(int(jobs[-1]) + 1)
+    return results
+
+
+def _check_live(scenarios: list[Scenario]) -> None:
+    """Refuse strategies that ask programs outside the kernel, which a batch does not stop for."""
+    for scenario in scenarios:
+        for path in _live_paths(scenario):
+            if scenario.numbers()[path]:
+                raise ScenarioError(f"{path}: works in single trials and films only; set it to 0 for many trials")
+
+
+def _live_paths(scenario: Scenario) -> list[str]:
+    """List the weights that let strategies ask programs outside the kernel."""
+    found = (registry.load("predators", name).live for name in registry.parts("predators", scenario.predators.strategy))
+    return [f"predators.weights.{name}" for name in found if name]
+
+
+def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
+    """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
+    known = list(scenario.numbers())
+    settled = differing(scenario)
+    arrays = {}
+    for path, values in weights.items():
+        if path not in known:
+            raise ScenarioError(f"weights: unknown key '{path}'; {registry.nearest(path, known)}")
+        if path not in settled:
+            raise ScenarioError(f"weights: {path} is the same for all trials of a batch; set it in the scenario")
+        array = np.asarray(values, np.float64)
+        if array.shape != (count,):
+            raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
+        if not np.isfinite(array).all() or np.abs(array).max() > LIMIT:
+            raise ScenarioError(f"weights: {path} holds a number that is not finite, or beyond {LIMIT:g}")
+        whole = path.endswith(".count") or path in ("world.ticks", "measures.after", "measures.window")
+        if whole and (array != np.round(array)).any():
+            raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
+        arrays[path] = array
+        if _other_end(path) is None:
+            for end in (array.min(), array.max()):
+                scenario.replaced({path: int(end) if whole else float(end)})
+    _check_ends(scenario, arrays)
+
+    def most(kind: str) -> int:
+        return int(arrays[f"{kind}.count"].max()) if f"{kind}.count" in arrays else getattr(scenario, kind).count
+
+    return most("prey"), most("predators"), most("obstacles")
+
+
+def differing(scenario: Scenario) -> set[str]:
+    """List the numbers that may differ from trial to trial: what a kernel reads from its table, the structure kept."""
+    own = Layout(Structure.of([scenario], 1), runtime.types().lanes).paths
+    weights = {path for path in scenario.numbers() if ".weights." in path}
+    return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
+
+
+def _other_end(path: str) -> str | None:
+    """Give the key of the other end of a range: "obstacles.radius.0" for "obstacles.radius.1"; None for no end of a range."""
+    names = path.split(".")
+    for at, name in enumerate(names[:-1]):
+        if name in ("region", "velocity") or names[: at + 1] == ["obstacles", "radius"]:
+            names[at + 1] = "1" if names[at + 1] == "0" else "0"
+            return ".".join(names)
+    return None
+
+
+def _check_ends(scenario: Scenario, arrays: Mapping[str, np.ndarray]) -> None:
+    """Raise ScenarioError where a range of a single trial runs from a larger to a smaller number."""
+    numbers = scenario.numbers()
+    for path in arrays:
+        other = _other_end(path)
+        if other is not None:
+            low, high = sorted((path, other))
+            below, above = (arrays.get(end, numbers[end]) for end in (low, high))
+            if np.any(np.asarray(below) > np.asarray(above)):
+                raise ScenarioError(
+                    f"weights: {low} is above {high} in some trials; a range runs from its lower to its upper end"
+                )
+            if path.startswith("obstacles.radius") and np.any(arrays[path] < 0):
+                raise ScenarioError(f"weights: {path} holds a negative radius; use 0 or more")

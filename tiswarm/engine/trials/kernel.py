@@ -1,0 +1,162 @@
+"""Trials: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import taichi as ti
+
+from tiswarm.dynamics import contact, spawn, views
+from tiswarm.dynamics.table import (
+    AGE,
+    ALIVE_COUNT,
+    ARRIVED_COUNT,
+    CAPTURED_COUNT,
+    CLOCK_ROWS,
+    CRASHED_COUNT,
+    DONE,
+    FIRST_ARRIVAL,
+    JOB,
+    LAST_ARRIVAL,
+    ON,
+    TICK,
+    TRIAL,
+    Layout,
+    Structure,
+)
+from tiswarm.engine.trials import tick
+from tiswarm.measures import running
+from tiswarm.simd import runtime
+from tiswarm.simd.runtime import LANES, TASK
+
+OUTCOMES = {
+    "alive": ALIVE_COUNT,
+    "arrived": ARRIVED_COUNT,
+    "captured": CAPTURED_COUNT,
+    "crashed": CRASHED_COUNT,
+    "ticks": AGE,
+    "first_arrival": FIRST_ARRIVAL,
+    "last_arrival": LAST_ARRIVAL,
+}
+"""What is kept of a trial that has ended, and the row of the clock it stands in."""
+
+_kernels: dict[tuple[int, Structure], tuple[Any, Layout, tuple[int, int]]] = {}
+
+
+def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
+    """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
+    key = (runtime.generation(), structure)
+    if key not in _kernels:
+        _kernels[key] = _build(structure, runtime.types())
+    return _kernels[key]
+
+
+def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, tuple[int, int]]:
+    layout = Layout(structure, types.lanes)
+    see = views.build(layout, types)
+    starts = spawn.build(layout, types)
+    judge = contact.build(layout, types, see).judge
+    moves_of = tick.build(layout, types, see, starts.uniform)
+    measures = running.build(layout, types, see)
+    columns = len(layout.paths)
+    outcomes = list(OUTCOMES.values())
+    flat = types.lane_array(1)
+    integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
+    whole = ti.types.ndarray(dtype=ti.i32, ndim=2)
+
+    @ti.func
+    def refill(
+        clock: ti.template(),
+        integer: ti.template(),
+        numbers: ti.template(),
+        table: ti.template(),
+        jobs: ti.template(),
+        queue: ti.template(),
+        results: ti.template(),
+        sums: ti.template(),
+        measured: ti.template(),
+        b,
+    ):
+        """Write down trials that have ended, and put the queue's next ones into their lanes.
+
+        Which lane gets which trial depends on the threads; no result does.
+        """
+        for lane in range(LANES):
+            if clock[b, DONE][lane] > 0.5:
+                job = ti.cast(integer[b, JOB][lane], ti.i32)
+                for k in ti.static(range(len(outcomes))):
+                    results[job, k] = ti.cast(clock[b, outcomes[k]][lane] + 0.5, ti.i32)
+                for k in ti.static(range(measures.count)):
+                    s = b * measures.height + 2 * k
+                    measured[job, k] = sums[s][lane] / sums[s + 1][lane]  # no state to measure: 0/0, not a number
+                clock[b, ON][lane] = 0.0
+                clock[b, DONE][lane] = 0.0
+            if clock[b, ON][lane] < 0.5:
+                job = ti.atomic_add(queue[0], 1)
+                if job < queue[1]:
+                    for column in range(columns):
+                        numbers[b * columns + column][lane] = table[jobs[job, 0], column]
+                    for k in range(CLOCK_ROWS):
+                        clock[b, k][lane] = 0.0
+                    clock[b, ON][lane] = 1.0
+                    integer[b, JOB][lane] = ti.cast(job, ti.u32)
+                    integer[b, TRIAL][lane] = ti.cast(jobs[job, 1], ti.u32)
+                    integer[b, TICK][lane] = ti.u32(0)
+
+    @ti.kernel
+    def advance(
+        prey: flat,  # [block * agent * row]
+        predators: flat,  # [block * agent * row]
+        obstacles: flat,  # [block * obstacle * row]
+        numbers: flat,  # [block * column]
+        clock: types.lane_array(2),  # [block, row]
+        integer: integer_array,  # [block, row]
+        table: ti.types.ndarray(dtype=types.real, ndim=2),  # [row, column]
+        jobs: whole,  # [job] -> row of the table, trial number
+        queue: ti.types.ndarray(dtype=ti.i32, ndim=1),  # next job, number of jobs
+        results: whole,  # [job, outcome]
+        sums: flat,  # [block * row], see measure.py
+        ground: flat,  # [block * cell]
+        measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
+        board: flat,  # [block * row], what predators' surveys write
+        prey_count: ti.i32,
+        predator_count: ti.i32,
+        obstacle_count: ti.i32,
+        key_low: ti.u32,
+        key_high: ti.u32,
+        blocks: ti.i32,
+        moves: ti.i32,  # moves that each block makes at most before it pauses
+    ):
+        for index in range(blocks * TASK):
+            if index % TASK == 0:
+                b = index // TASK
+                counts = ti.Vector([prey_count, predator_count, obstacle_count])
+                left = moves
+                running = 1
+                while running == 1:
+                    ended = clock[b, DONE].max() > 0.5
+                    waiting = clock[b, ON].min() < 0.5 and queue[0] < queue[1]
+                    if ended or waiting:
+                        refill(clock, integer, numbers, table, jobs, queue, results, sums, measured, b)
+                        fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
+                        starts.spawn(prey, predators, obstacles, counts, numbers, integer, b, fresh, key_low, key_high)
+                        measures.spread_ground(sums, ground, obstacles, numbers, b, obstacle_count, fresh)
+                    if clock[b, ON].max() < 0.5:
+                        running = 0
+                    else:
+                        judge(prey, predators, obstacles, numbers, clock, b, counts)
+                        measures.measure(prey, numbers, clock, sums, ground, b, counts)
+                        if left == 0:
+                            running = 0
+                        else:
+                            left -= 1
+                            moves_of.move_prey(
+                                prey, predators, obstacles, numbers, clock, integer, b, counts, key_low, key_high
+                            )
+                            if ti.static(structure.hunted):
+                                moves_of.move_predators(
+                                    prey, predators, obstacles, numbers, clock, integer, board, b, counts, key_low, key_high
+                                )
+                            clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
+                            integer[b, TICK] = integer[b, TICK] + ti.u32(1)
+
+    return advance, layout, (measures.height, measures.cells)

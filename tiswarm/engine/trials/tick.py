@@ -1,0 +1,121 @@
+"""Move: one tick of the motion of a block's trials; all agents of a kind read one snapshot."""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics import perception, steering
+from tiswarm.dynamics.table import AGE, TICK, TRIAL, Layout
+from tiswarm.simd.lanes import Together, anywhere
+
+
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform) -> SimpleNamespace:
+    """Build `move_prey` and `move_predators` for a structure."""
+    lanes, integers = types.lanes, types.integer_lanes
+    at, rows = layout.at, layout.rows
+    frame = layout.structure.frame
+    senses = perception.build(layout, types, see)
+    driven = steering.build(layout, types, see, senses, uniform)
+    steps = driven.steps
+    prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
+    prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
+    surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
+
+    @ti.func
+    def draw_of(integer: ti.template(), b, i, key_low, key_high):
+        index = integers(ti.cast(i, ti.u32))
+        return Together(key_low=key_low, key_high=key_high, trial=integer[b, TRIAL], index=index, tick=integer[b, TICK])
+
+    @ti.func
+    def begin(prey: ti.template(), numbers: ti.template(), b, count, fresh):
+        limits = see.limits_of(numbers, b, at.prey)
+        for i in range(count):
+            a = (b * count + i) * prey_rows
+            driven.begin(prey, a, prey_at(prey, a, i, limits), numbers, b, fresh)
+            if ti.static("prey" in frame.unicycles):
+                steps.prey.face(prey, a, fresh)
+
+    @ti.func
+    def remember(prey: ti.template(), numbers: ti.template(), b, count):
+        swarm_seen = lanes(0.0)
+        limits = see.limits_of(numbers, b, at.prey)
+        for i in range(count):
+            a = (b * count + i) * prey_rows
+            swarm_seen += prey[a + rows.alive] * prey[a + rows.seen]
+        for i in range(count):
+            a = (b * count + i) * prey_rows
+            driven.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
+
+    @ti.func
+    def move_prey(
+        prey: ti.template(),
+        predators: ti.template(),
+        obstacles: ti.template(),
+        numbers: ti.template(),
+        clock: ti.template(),
+        integer: ti.template(),
+        b,
+        counts,
+        key_low,
+        key_high,
+    ):
+        """Move all prey (drive.py)."""
+        if ti.static(driven.starts or "prey" in frame.unicycles):
+            fresh = clock[b, AGE] < 0.5
+            if anywhere(fresh):
+                begin(prey, numbers, b, counts[0], fresh)
+        if ti.static(frame.verlet):
+            for i in range(counts[0]):
+                steps.prey.drift(prey, (b * counts[0] + i) * prey_rows, numbers, b)
+        swarm = senses.swarm_of(prey, b, counts[0], clock[b, AGE])
+        target = see.target_of(numbers, b)
+        limits = see.limits_of(numbers, b, at.prey)
+        for i in range(counts[0]):
+            a = (b * counts[0] + i) * prey_rows
+            me = prey_at(prey, a, i, limits)
+            here = Together(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            draw = draw_of(integer, b, i, key_low, key_high)
+            driven.prey(here, draw, prey, a, me, numbers, b, swarm, target)
+        for i in range(counts[0]):
+            steps.prey.commit(prey, (b * counts[0] + i) * prey_rows, numbers, b)
+        if ti.static(frame.contact == "bounce"):
+            steps.bounce(prey, numbers, b, counts[0])
+        if ti.static(driven.remembers):
+            remember(prey, numbers, b, counts[0])
+
+    @ti.func
+    def move_predators(
+        prey: ti.template(),
+        predators: ti.template(),
+        obstacles: ti.template(),
+        numbers: ti.template(),
+        clock: ti.template(),
+        integer: ti.template(),
+        board: ti.template(),
+        b,
+        counts,
+        key_low,
+        key_high,
+    ):
+        """Move all predators (drive.py)."""
+        for i in range(counts[1]):
+            a = (b * counts[1] + i) * predator_rows
+            if ti.static("predators" in frame.unicycles):
+                steps.predators.face(predators, a, clock[b, AGE] < 0.5)
+            if ti.static(frame.verlet):
+                steps.predators.drift(predators, a, numbers, b)
+        for survey in ti.static(surveys):
+            survey(prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high)
+        quarry = senses.swarm_of(prey, b, counts[0], clock[b, AGE])
+        target = see.target_of(numbers, b)
+        limits = see.limits_of(numbers, b, at.predators)
+        for i in range(counts[1]):
+            a = (b * counts[1] + i) * predator_rows
+            me = predator_at(predators, a, i, limits)
+            here = Together(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            draw = draw_of(integer, b, i, key_low, key_high)
+            driven.predators(here, draw, predators, a, me, numbers, b, quarry, target)
+        for i in range(counts[1]):
+            steps.predators.commit(predators, (b * counts[1] + i) * predator_rows, numbers, b)
+
+    return SimpleNamespace(move_prey=move_prey, move_predators=move_predators)

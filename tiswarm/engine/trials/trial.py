@@ -1,0 +1,220 @@
+"""Single: one trial in one lane, tick by tick, with the same kernel and so the same bits as in a batch."""
+
+from operator import index
+from typing import Any
+
+import numpy as np
+
+from tiswarm.dynamics.table import AGE, DONE
+from tiswarm.engine.choice import by_grid
+from tiswarm.engine.swarms.simulation import Swarm
+from tiswarm.engine.trials.batch import Blocks
+from tiswarm.records.labels import grouped, named
+from tiswarm.records.recording import FATES, Recording
+from tiswarm.records.recording import Swarm as Path
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.start import Start
+from tiswarm.strategies import registry
+
+
+class Single:
+    """A trial that pauses after every tick."""
+
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
+        """Draw the start from seed and trial number, or take an explicit one."""
+        trial, seed = index(trial), index(seed)
+        if not 0 <= trial < 1 << 31:
+            raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
+        if start is not None:
+            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
+            paths = ("prey.count", "predators.count", "obstacles.count")
+            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+        self.scenario = scenario
+        self.seed = seed
+        self._blocks = Blocks([scenario], 1)
+        surveying = self._blocks.layout.parts("predators", "strategy", "survey")
+        self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
+        self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
+        self._jobs = np.array([[0, trial]], np.int32)
+        self._queue = np.array([0, 1], np.int32)
+        self._results, self._measured = self._blocks.outcomes(1)
+        self._advance(0)
+        if start is not None:
+            if start.dim != scenario.world.dim:
+                raise ValueError(f"start: positions have {start.dim} numbers, world.size has {scenario.world.dim}; use as many")
+            self._obstacles()[:] = np.vstack([start.obstacle_position.T, start.obstacle_radius])
+            self.place("prey", start.prey_position, start.prey_velocity)
+            self.place("predators", start.predator_position, start.predator_velocity)
+
+    def _advance(self, moves: int) -> None:
+        self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
+
+    def step(self, ticks: int = 1) -> None:
+        """Run so many ticks, fewer when the trial ends before."""
+        if self.ended:  # the kernel would take the lane for a free one
+            return
+        if not self._live:
+            self._advance(ticks)
+            return
+        for _ in range(ticks):
+            if not self.ended:
+                self._consult()
+                self._advance(1)
+
+    def _consult(self) -> None:
+        """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
+        arrays = [each for each in vars(self._blocks).values() if isinstance(each, np.ndarray)]
+        before = [each.copy() for each in arrays]
+        here = self._agents("prey")[self._rows.alive] > 0.5
+        self._advance(1)
+        position = self._agents("prey")[self._rows.place].T.astype(np.float64)
+        position[~here] = np.nan
+        for each, kept in zip(arrays, before, strict=True):
+            each[...] = kept
+        for part in self._live:
+            part.strategy.consult(self._board(part), position, self.scenario.predators.weights)
+
+    def _board(self, part: Any) -> np.ndarray:
+        """Give a view of what a predator strategy's survey wrote in lane 0: [row]."""
+        rows, count = self._blocks.layout.board, self.scenario.prey.count
+        return self._blocks.board[part.board.fixed + part.board.each * count : rows.fixed + rows.each * count, 0]
+
+    def groups(self, kind: str) -> np.ndarray | None:
+        """Give the sub-swarms of the last move, [agent], -1 for none; None when predators do not split up."""
+        for part in self._blocks.layout.parts("predators", "strategy", "survey"):
+            if self.ticks == 0:
+                return np.full(getattr(self.scenario, kind).count, -1)
+            if kind == "predators":
+                found = part.strategy.groups(self.memory(kind)[part.part.name])
+            else:
+                found = part.strategy.prey_groups(self._board(part), self.scenario.prey.count, self.scenario.world.dim)
+            if found is not None:
+                return np.asarray(found)
+        return None
+
+    @property
+    def ended(self) -> bool:
+        """Tell whether the trial is over."""
+        return bool(self._blocks.clock[0, DONE, 0] > 0.5)
+
+    @property
+    def ticks(self) -> int:
+        """Count the ticks run."""
+        return int(self._blocks.clock[0, AGE, 0])
+
+    def _agents(self, kind: str) -> np.ndarray:
+        """Give a view of lane 0: [row, agent]."""
+        rows, count = self._blocks.layout.agent_rows[kind], getattr(self.scenario, kind).count
+        return getattr(self._blocks, kind)[: count * rows, 0].reshape(count, rows).T
+
+    def _obstacles(self) -> np.ndarray:
+        """Give a view of lane 0: [row, obstacle]."""
+        count, rows = self.scenario.obstacles.count, self._blocks.layout.obstacle_rows
+        return self._blocks.obstacles[: count * rows, 0].reshape(count, rows).T
+
+    def position(self, kind: str) -> np.ndarray:
+        """Give where the prey or predators are: [agent, dim], m, NaN for those who are gone."""
+        return self._vectors(kind, self._rows.place)
+
+    def velocity(self, kind: str) -> np.ndarray:
+        """Give their velocity: [agent, dim], m/s, NaN for those who are gone."""
+        return self._vectors(kind, self._rows.motion)
+
+    @property
+    def _rows(self) -> Any:
+        return self._blocks.layout.rows
+
+    def _vectors(self, kind: str, places: list[int]) -> np.ndarray:
+        rows = self._agents(kind)
+        vectors = rows[places].T.astype(np.float64)
+        vectors[rows[self._rows.alive] < 0.5] = np.nan
+        return vectors
+
+    def pull(self, kind: str) -> np.ndarray:
+        """Give what the obstacles' fields add to each agent's velocity: [agent, dim], m/s."""
+        return self._agents(kind)[self._rows.field].T.astype(np.float64)
+
+    def fate(self, kind: str) -> np.ndarray:
+        """Name what became of each agent so far: [agent]."""
+        return np.array(FATES)[self._agents(kind)[self._rows.fate].astype(int)]
+
+    def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
+        """Give the agents' memory: strategy -> name -> [agent]."""
+        parts = self._blocks.layout.parts(kind, "strategy")
+        rows = self._agents(kind)
+        return {p.part.name: {name: rows[row].copy() for name, row in zip(p.memory, p.memory_rows, strict=True)} for p in parts}
+
+    def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Give the obstacles' centres and radii: [obstacle, dim] and [obstacle], m."""
+        rows = self._obstacles().astype(np.float64)
+        return rows[:-1].T.copy(), rows[-1].copy()
+
+    def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:
+        """Put agents somewhere, their memory untouched; NaN in a position means gone."""
+        rows = self._agents(kind)
+        here = np.isfinite(position[:, 0])
+        rows[self._rows.alive] = here
+        for row, values in zip([*self._rows.place, *self._rows.motion], np.hstack([position, velocity]).T, strict=True):
+            rows[row] = np.where(here, values, rows[row])
+        self._advance(0)  # the fields at the new places
+
+
+def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None) -> Recording:
+    """Run one trial and keep its path: the same bits as in a batch of any size.
+
+    start: an explicit start state; counts then come from it, not from the scenario.
+    """
+    if by_grid(scenario):
+        return Swarm(scenario, seed, 1, trial, start).record()
+    single = Single(scenario, seed, trial, start)
+    rows: dict[str, list[Any]] = {"prey": [], "predators": []}
+
+    def note() -> None:
+        for kind, kept in rows.items():
+            kept.append((single.position(kind), single.velocity(kind), single.memory(kind), single.groups(kind)))
+
+    note()
+    while not single.ended:
+        single.step()
+        note()
+    positions = {kind: np.stack([row[0] for row in kept]) for kind, kept in rows.items()}
+    swarms = {}
+    kind: registry.Kind
+    for kind, other in (("prey", "predators"), ("predators", "prey")):
+        position = positions[kind]
+        velocity = np.stack([row[1] for row in rows[kind]])
+        both = zip(position, positions[other], rows[kind], strict=True)
+        state = np.stack([named(single.scenario, kind, own, others, row[2]) for own, others, row in both])
+        group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
+        swarms[kind] = Path(position, velocity, single.fate(kind), state, group)
+    centres, radii = single.obstacles()
+    return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
+
+
+def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarray]:
+    """Sample the prey's obstacle avoidance on a square lattice over a flat world: points and arrows, [point, 2], m and m/s.
+
+    The engine itself computes it, on prey at rest at the lattice's points; avoidances that turn the course instead have none.
+
+    Errors: ValueError for a deep world.
+    """
+    scenario = recording.scenario
+    if recording.dim != 2:
+        raise ValueError("field: only a flat world has a field to draw; leave the overlay out")
+    side = max(scenario.world.size) / across
+    axes = [np.arange(0.5 * side, length, side) for length in scenario.world.size]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    none = np.zeros((0, 2))
+    probes = Start(points, np.zeros_like(points), none, none, recording.obstacle_position, recording.obstacle_radius)
+    alone = {"predators.count": 0, "measures.names": [], "coverage.cell": 0}
+    pull = Single(scenario.replaced(alone), recording.seed, recording.trial, probes).pull("prey")
+    away = np.linalg.norm(points[:, None] - recording.obstacle_position, axis=2)
+    pull[(away < recording.obstacle_radius).any(axis=1)] = 0  # nobody is there to feel it
+    return points, pull
+
+
+def _groups(scenario: Scenario, kind: registry.Kind, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
+    """Give each agent's sub-swarm in each row, -1 for none: as predators survey it, else as prey split up themselves."""
+    if surveyed[0] is not None:
+        return np.stack(surveyed).astype(np.int32)
+    return np.broadcast_to(grouped(scenario, kind, position.shape[1]), position.shape[:2]).copy()

@@ -1,0 +1,256 @@
+"""Metrics: what a recording shows, tick by tick, in NumPy; of the same trial measure.py measures the same in the kernel."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
+from tiswarm.records.recording import Recording
+from tiswarm.scenario.model import Measure
+from tiswarm.strategies.registry import nearest as nearest_name
+
+TINY = 1e-12
+"""Squared lengths are not taken for smaller than this in quotients, so that coincident agents give no infinity [m²]."""
+
+ROWS = 256
+"""Agents whose distances to all others are in memory at once."""
+
+
+def polarisation(recording: Recording) -> np.ndarray:
+    """Give how far alive prey head one way, |Σ u(v)|/n: [tick], 0 to 1, NaN where nobody is alive."""
+    alive, _, velocity = _alive(recording)
+    return _mean(np.linalg.norm(_units(velocity).sum(axis=1), axis=-1), alive)
+
+
+def milling(recording: Recording) -> np.ndarray:
+    """Give how far alive prey turn about their mean place c, |Σ u(x - c) × u(v)|/n: [tick], 0 to 1, NaN where nobody is alive.
+
+    In a periodic world c is the mean of the places as they are: a flock that straddles an edge has none of its own.
+    """
+    alive, position, velocity = _alive(recording)
+    count = np.maximum(alive.sum(axis=1), 1)[:, None, None]
+    way = np.where(alive[..., None], position - position.sum(axis=1, keepdims=True) / count, 0.0)
+    flat = ((0, 0), (0, 0), (0, 3 - recording.dim))
+    spin = np.cross(np.pad(_units(way), flat), np.pad(_units(velocity), flat))
+    return _mean(np.linalg.norm(spin.sum(axis=1), axis=-1), alive)
+
+
+def speed(recording: Recording) -> np.ndarray:
+    """Give the mean speed of alive prey: [tick], m/s, NaN where nobody is alive."""
+    alive, _, velocity = _alive(recording)
+    return _mean(np.linalg.norm(velocity, axis=-1).sum(axis=1), alive)
+
+
+def kinetic(recording: Recording) -> np.ndarray:
+    """Give the kinetic energy of alive prey, Σ ½|v|²: [tick], m²/s², NaN where nobody is alive."""
+    alive, _, velocity = _alive(recording)
+    return np.where(alive.any(axis=1), 0.5 * (velocity**2).sum(axis=(1, 2)), np.nan)
+
+
+def potential(recording: Recording) -> np.ndarray:
+    """Give the potential energy of alive prey: [tick], m²/s², NaN where nobody is alive.
+
+    spacing² Σ_{i<j} V(r), V(r) = 1/r² + ln r² with r in units of prey.spacing, constant beyond prey.perception (Tanner,
+    Jadbabaie and Pappas 2003).
+    """
+    prey = recording.scenario.prey
+    spacing2, reach2 = max(prey.spacing**2, TINY), prey.perception**2
+    energy = np.full(recording.ticks + 1, np.nan)
+    for tick, _, places in _states(recording):
+        energy[tick] = 0.0
+        for first in range(0, len(places), ROWS):
+            away = recording.shortest(places[first : first + ROWS, None] - places)
+            pairs = np.triu(np.ones(away.shape[:2], bool), first + 1)  # each pair once
+            ratio = np.maximum(np.minimum((away**2).sum(axis=-1)[pairs], reach2), TINY) / spacing2
+            energy[tick] += prey.spacing**2 * (1 / ratio + np.log(ratio)).sum()
+    return energy
+
+
+def neighbour_distances(recording: Recording) -> np.ndarray:
+    """Give the distance to each prey's nearest neighbour: [tick, agent], m, NaN for those who are gone or alone.
+
+    In a periodic world it is measured across the edges where that is shorter.
+    """
+    distances = np.full(recording.prey.alive.shape, np.nan)
+    for tick, here, places in _states(recording, least=2):
+        tree = _tree(places, recording)
+        distances[tick, here] = tree.query(tree.data, k=2)[0][:, 1]
+    return distances
+
+
+def nearest(recording: Recording) -> np.ndarray:
+    """Give the mean distance to the nearest neighbour: [tick], m, NaN where fewer than two prey are alive."""
+    distances = neighbour_distances(recording)
+    return _mean(np.nansum(distances, axis=1), np.isfinite(distances))
+
+
+def groups(recording: Recording, distance: float | None = None) -> np.ndarray:
+    """Count the groups of alive prey: [tick], NaN where nobody is alive.
+
+    A group is joined by chains of distances of at most `distance` [m], the scenario's measures.distance when None.
+    """
+    reach = recording.scenario.measures.distance if distance is None else distance
+    count = np.full(recording.ticks + 1, np.nan)
+    for tick, _, places in _states(recording):
+        first, second = _tree(places, recording).query_pairs(reach, output_type="ndarray").T
+        joined = coo_array((np.ones(len(first), bool), (first, second)), shape=(len(places), len(places)))
+        count[tick] = connected_components(joined, directed=False, return_labels=False)
+    return count
+
+
+def hits(recording: Recording) -> np.ndarray:
+    """Count the prey that have been inside an obstacle so far: [tick].
+
+    The start is not judged, and a touch in the very tick in which prey are captured or arrive is not in a recording.
+    """
+    position, touched = recording.prey.position, np.zeros(recording.prey.alive.shape, bool)
+    for centre, radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
+        size = recording.scenario.prey.radius + radius
+        touched[1:] |= (recording.shortest(position[1:] - centre) ** 2).sum(axis=-1) < size**2
+    return np.logical_or.accumulate(touched).sum(axis=1).astype(np.float64)
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The ground that prey swept with their tools.
+
+    share: [tick], how much of it has been swept; variation: [tick], coefficient of variation of the cells' visits, NaN before
+    the first; visits: [row, column], in how many states how many tools lay on a cell's centre, -1 where there is no ground.
+    """
+
+    share: np.ndarray
+    variation: np.ndarray
+    visits: np.ndarray
+
+
+def ground(recording: Recording) -> Ground:
+    """Sweep the grid of scenario.coverage. Errors: ValueError when the scenario has none."""
+    side = recording.scenario.coverage.cell
+    if not side:
+        raise ValueError("coverage: the scenario has no grid; set coverage.cell")
+    free = _free(recording)
+    down, across = free.shape
+    reach = recording.scenario.coverage.tool / side
+    window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
+    visits = np.zeros(free.size)
+    swept, total, squares = np.zeros((3, recording.ticks + 1))
+    for tick, _, places in _states(recording):
+        x, y = (places / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
+        columns, rows = (np.maximum(np.ceil(each - reach), 0).astype(int) + window for each in (x, y))
+        off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
+        under = (off <= reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
+        cells = (rows[:, :, None] * across + columns[:, None, :])[under]
+        cells, times = np.unique(cells[free.flat[cells]], return_counts=True)
+        swept[tick] = (visits[cells] == 0).sum()
+        total[tick] = times.sum()
+        squares[tick] = (times * (2 * visits[cells] + times)).sum()
+        visits[cells] += times
+    count = max(int(free.sum()), 1)
+    mean = total.cumsum() / count
+    variance = np.maximum(squares.cumsum() / count - mean**2, 0.0)
+    variation = np.divide(np.sqrt(variance), mean, out=np.full(mean.shape, np.nan), where=mean > 0)
+    return Ground(swept.cumsum() / count, variation, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
+
+
+def coverage(recording: Recording) -> np.ndarray:
+    """Give the share of the ground that has been swept: [tick], 0 to 1."""
+    return ground(recording).share
+
+
+def visit_variation(recording: Recording) -> np.ndarray:
+    """Give the coefficient of variation of how often cells were visited: [tick], NaN before the first visit."""
+    return ground(recording).variation
+
+
+def time_to(recording: Recording, share: float) -> float:
+    """Give when this share of the ground had been swept [s], NaN when it never was."""
+    ticks = np.flatnonzero(coverage(recording) >= share)
+    return float(ticks[0] * recording.scenario.world.dt) if len(ticks) else float("nan")
+
+
+MEANS: dict[str, Callable[[Recording], np.ndarray]] = {
+    "polarisation": polarisation,
+    "milling": milling,
+    "nearest": nearest,
+    "groups": groups,
+    "speed": speed,
+    "kinetic": kinetic,
+    "potential": potential,
+}
+"""Measures that a trial has as a mean over its states from measures.after on."""
+
+LAST: dict[str, Callable[[Recording], np.ndarray]] = {
+    "hits": hits,
+    "coverage": coverage,
+    "visit-variation": visit_variation,
+    "trapped": trapped,
+    "trapped-time": trapped_time,
+    "trapped-milling": trapped_milling,
+}
+"""Measures that a trial has as they stand when it ends."""
+
+
+def measured(recording: Recording, name: str) -> float:
+    """Give what `results.measures[name]` is for this trial, NaN where no state has it.
+
+    Errors: ValueError for an unknown name, and for a measure of swept ground where the scenario has no grid.
+    """
+    if name not in get_args(Measure):
+        raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(get_args(Measure)))}")
+    after = min(recording.scenario.measures.after, recording.scenario.world.ticks)
+    if name.startswith("time-to-"):
+        return time_to(recording, int(name.removeprefix("time-to-")) / 100)
+    if name in LAST:
+        early = name == "hits" and recording.ticks < after
+        return float("nan") if early else float(LAST[name](recording)[-1])
+    values = MEANS[name](recording)[after:]
+    values = values[np.isfinite(values)]
+    return float(values.mean()) if len(values) else float("nan")
+
+
+def _alive(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Give who is alive, [tick, agent], and places and velocities with zeros for those who are not: [tick, agent, dim]."""
+    prey = recording.prey
+    there = prey.alive[..., None]
+    return prey.alive, np.where(there, prey.position, 0.0), np.where(there, prey.velocity, 0.0)
+
+
+def _units(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.sqrt(np.maximum((vectors**2).sum(axis=-1, keepdims=True), TINY))
+
+
+def _mean(total: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """Divide totals [tick] by how many agents are counted [tick, agent], NaN where none is."""
+    count = counted.sum(axis=1)
+    return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+
+
+def _states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Give tick, who is alive [agent], and their places [alive, dim], of the states in which at least so many are."""
+    for tick, here in enumerate(recording.prey.alive):
+        if here.sum() >= least:
+            yield tick, here, recording.prey.position[tick, here]
+
+
+def _tree(places: np.ndarray, recording: Recording) -> KDTree:
+    """Sort places so that who is near whom is found fast, across the edges of a periodic world."""
+    if recording.scenario.world.boundary != "periodic":
+        return KDTree(places)
+    size = np.array(recording.scenario.world.size)
+    inside = places - size * np.floor(places / size)
+    return KDTree(np.where(inside >= size, 0.0, inside), boxsize=size)  # rounding may lift a tiny negative number to the size
+
+
+def _free(recording: Recording) -> np.ndarray:
+    """Tell which cells' centres lie inside the world and outside obstacles: [row, column]."""
+    side, (width, height) = recording.scenario.coverage.cell, recording.scenario.world.size
+    x, y = ((np.arange(int(np.ceil(length / side))) + 0.5) * side for length in (width, height))
+    free = (x <= width) & (y <= height)[:, None]
+    for (cx, cy), radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
+        free &= (x - cx) ** 2 + ((y - cy) ** 2)[:, None] >= radius**2
+    return free

@@ -1,0 +1,278 @@
+"""Measure: polarisation, neighbours, energies, swept ground and the like, while a trial runs; metrics.py defines them all."""
+
+from types import SimpleNamespace
+
+import taichi as ti
+
+from tiswarm.dynamics.table import AGE, DONE, MEASURED, ON, Layout
+from tiswarm.measures import traps
+from tiswarm.scenario.checks import TRAPS
+from tiswarm.simd.lanes import anywhere, dot, larger, logarithm, motion, place, safe, smaller, unit
+from tiswarm.simd.runtime import LANES
+
+# Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
+CLEAN, FREE, GROUND_ROWS = range(3)
+
+SHARES = {"time-to-50": 0.50, "time-to-90": 0.90, "time-to-95": 0.95, "time-to-99": 0.99}
+"""Measures of how long it takes until this share of the ground is swept."""
+
+
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+    """Build `measure`, `spread_ground` and `value_of`.
+
+    sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 where there is no ground.
+    """
+    lanes = types.lanes
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
+    width = len(layout.paths)
+    frame = layout.structure.frame
+    names = frame.measures
+    height = 2 * len(names) + GROUND_ROWS
+    across, down = frame.cells
+    cells = across * down
+    prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
+    pair_names = {"nearest", "potential"} & set(names)
+    trapping = bool(set(TRAPS) & set(names))
+    watch = traps.build(layout, types, see) if trapping else None
+
+    @ti.func
+    def add(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        sums[s] = sums[s] + ti.select(counted, value, 0.0)
+        sums[s + 1] = sums[s + 1] + ti.select(counted, 1.0, 0.0)
+
+    @ti.func
+    def keep(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        sums[s] = ti.select(counted, value, sums[s])
+        sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
+
+    @ti.func
+    def measure_motion(sums: ti.template(), prey: ti.template(), b, count, counted):
+        """Polarisation, mean speed, milling, kinetic energy, hits."""
+        n = lanes(0.0)
+        total = [lanes(0.0) for _ in ti.static(range(dim))]
+        centre = [lanes(0.0) for _ in ti.static(range(dim))]
+        spin = [lanes(0.0) for _ in ti.static(range(3))]
+        speed, energy, hits = lanes(0.0), lanes(0.0), lanes(0.0)
+        for i in range(count):
+            me = prey_mate(prey, (b * count + i) * prey_rows, i)
+            n += me.alive
+            ahead = unit(motion(me))
+            speed2 = dot(motion(me), motion(me))
+            speed += me.alive * ti.sqrt(speed2)
+            energy += 0.5 * me.alive * speed2
+            hits += prey[(b * count + i) * prey_rows + rows.hit]
+            for k in ti.static(range(dim)):
+                total[k] += me.alive * ahead[k]
+                centre[k] += me.alive * place(me)[k]
+        share = 1.0 / larger(n, 1.0)
+        if ti.static("milling" in names):
+            for i in range(count):
+                me = prey_mate(prey, (b * count + i) * prey_rows, i)
+                way = unit([place(me)[k] - share * centre[k] for k in ti.static(range(dim))])
+                ahead = unit(motion(me))
+                spin[2] += me.alive * (way[0] * ahead[1] - way[1] * ahead[0])
+                if ti.static(dim == 3):
+                    spin[0] += me.alive * (way[1] * ahead[2] - way[2] * ahead[1])
+                    spin[1] += me.alive * (way[2] * ahead[0] - way[0] * ahead[2])
+        there = counted & (n > 0.5)
+        for k in ti.static(range(len(names))):
+            if ti.static(names[k] == "polarisation"):
+                add(sums, b, k, there, share * ti.sqrt(dot(total, total)))
+            if ti.static(names[k] == "speed"):
+                add(sums, b, k, there, share * speed)
+            if ti.static(names[k] == "milling"):
+                add(sums, b, k, there, share * ti.sqrt(dot(spin, spin)))
+            if ti.static(names[k] == "kinetic"):
+                add(sums, b, k, there, energy)
+            if ti.static(names[k] == "hits"):
+                keep(sums, b, k, counted, hits)
+
+    @ti.func
+    def measure_pairs(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
+        """Mean distance to the nearest neighbour, and potential energy."""
+        n = b * width
+        spacing2 = numbers[n + at.prey.spacing] * numbers[n + at.prey.spacing]
+        reach2 = numbers[n + at.prey.perception] * numbers[n + at.prey.perception]
+        alive, nearest, potential = lanes(0.0), lanes(0.0), lanes(0.0)
+        for i in range(count):
+            me = prey_mate(prey, (b * count + i) * prey_rows, i)
+            least = lanes(1e30)
+            for j in range(count):
+                if i != j:
+                    mate = prey_mate(prey, (b * count + j) * prey_rows, j)
+                    away = see.gap(me, mate, numbers, b)
+                    distance2 = dot(away, away)
+                    least = ti.select(mate.alive > 0.5, smaller(least, distance2), least)
+                    if ti.static("potential" in names):
+                        ratio = safe(smaller(distance2, reach2)) / safe(spacing2)
+                        potential += 0.5 * me.alive * mate.alive * spacing2 * (1.0 / ratio + logarithm(ratio))
+            alive += me.alive
+            nearest += me.alive * ti.sqrt(least)
+        pairs = counted & (alive > 1.5)
+        for k in ti.static(range(len(names))):
+            if ti.static(names[k] == "nearest"):
+                add(sums, b, k, pairs, nearest / larger(alive, 1.0))
+            if ti.static(names[k] == "potential"):
+                add(sums, b, k, counted & (alive > 0.5), potential)
+
+    @ti.func
+    def measure_groups(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
+        """Count the groups: sets of prey joined by chains of distances within `measures.distance`."""
+        reach = numbers[b * width + at.distance]
+        for i in range(count):
+            prey[(b * count + i) * prey_rows + rows.label] = lanes(0.0) + ti.cast(i, types.real)
+        changes = 1
+        while changes == 1:
+            changes = 0
+            for i in range(count):
+                a = (b * count + i) * prey_rows
+                me = prey_mate(prey, a, i)
+                for j in range(count):
+                    c = (b * count + j) * prey_rows
+                    mate = prey_mate(prey, c, j)
+                    away = see.gap(me, mate, numbers, b)
+                    joined = (dot(away, away) <= reach * reach) & (me.alive * mate.alive > 0.5)
+                    lower = joined & (prey[c + rows.label] < prey[a + rows.label])
+                    if anywhere(lower):
+                        prey[a + rows.label] = ti.select(lower, prey[c + rows.label], prey[a + rows.label])
+                        changes = 1
+        groups, alive = lanes(0.0), lanes(0.0)
+        for i in range(count):
+            a = (b * count + i) * prey_rows
+            own = prey[a + rows.label] - ti.cast(i, types.real)
+            groups += ti.select(own * own < 0.25, prey[a + rows.alive], 0.0)
+            alive += prey[a + rows.alive]
+        add(sums, b, ti.static(names.index("groups")), counted & (alive > 0.5), groups)
+
+    @ti.func
+    def measure_traps(sums: ti.template(), prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
+        """Share of the prey that were ever trapped, for how long, and how far they circled meanwhile."""
+        caught, time, spin, most = watch(prey, numbers, clock, b, count, unseen)
+        n = b * width
+        for k in ti.static(range(len(names))):
+            if ti.static(names[k] == "trapped"):
+                keep(sums, b, k, unseen, caught / numbers[n + at.prey.count])
+            if ti.static(names[k] == "trapped-time"):
+                keep(sums, b, k, unseen, time * numbers[n + at.dt] / numbers[n + at.prey.count])
+            if ti.static(names[k] == "trapped-milling"):
+                keep(sums, b, k, unseen & (most > 0.0), spin / safe(most))
+
+    @ti.func
+    def first_cell(low):
+        return ti.max(ti.cast(ti.ceil(low), ti.i32), 0)
+
+    @ti.func
+    def last_cell(high, count: ti.template()):
+        return ti.min(ti.cast(ti.floor(high), ti.i32), count - 1)
+
+    @ti.func
+    def sweep(sums: ti.template(), ground: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, unseen):
+        """Count a visit of every cell whose centre lies under a prey's tool."""
+        n = b * width
+        s = b * height + ti.static(2 * len(names))
+        for lane in range(LANES):
+            if ti.select(unseen, 1.0, 0.0)[lane] > 0.5:
+                side = numbers[n + at.cell][lane]
+                tool = numbers[n + at.tool][lane]
+                for i in range(count):
+                    a = (b * count + i) * prey_rows
+                    if prey[a + rows.alive][lane] > 0.5:
+                        x = prey[a + rows.place[0]][lane] / side - 0.5  # in cells, whole numbers at their centres
+                        y = prey[a + rows.place[1]][lane] / side - 0.5
+                        reach = tool / side
+                        for row in range(first_cell(y - reach), last_cell(y + reach, down) + 1):
+                            for column in range(first_cell(x - reach), last_cell(x + reach, across) + 1):
+                                off = (column - x) * (column - x) + (row - y) * (row - y)
+                                cell = b * cells + row * across + column
+                                if off <= reach * reach and ground[cell][lane] > -0.5:
+                                    if ground[cell][lane] < 0.5:
+                                        sums[s + CLEAN][lane] = sums[s + CLEAN][lane] + 1.0
+                                    ground[cell][lane] = ground[cell][lane] + 1.0
+
+    @ti.func
+    def measure_ground(sums: ti.template(), numbers: ti.template(), clock: ti.template(), b, unseen):
+        """Covered share, and the time at which it passed certain shares."""
+        s = b * height + ti.static(2 * len(names))
+        share = sums[s + CLEAN] / larger(sums[s + FREE], 1.0)
+        time = clock[b, AGE] * numbers[b * width + at.dt]
+        for k in ti.static(range(len(names))):
+            if ti.static(names[k] == "coverage"):
+                keep(sums, b, k, unseen, share)
+            if ti.static(names[k] in SHARES):
+                passed = unseen & (share >= ti.static(SHARES.get(names[k], 1.0))) & (sums[b * height + 2 * k + 1] < 0.5)
+                keep(sums, b, k, passed, time)
+
+    @ti.func
+    def spread_ground(
+        sums: ti.template(), ground: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, count, fresh
+    ):
+        """Prepare sums and grid of lanes that start: what lies outside the world or under obstacles cannot be swept."""
+        for k in range(height):
+            sums[b * height + k] = ti.select(fresh, 0.0, sums[b * height + k])
+        if ti.static(cells > 0):
+            side = numbers[b * width + at.cell]
+            free = lanes(0.0)
+            for cell in range(cells):
+                x = (ti.cast(cell % across, types.real) + 0.5) * side
+                y = (ti.cast(cell // across, types.real) + 0.5) * side
+                outside = (x > numbers[b * width + at.size[0]]) | (y > numbers[b * width + at.size[1]])
+                under = ti.select(outside, 1.0, lanes(0.0))
+                for j in range(count):
+                    obstacle = see.obstacle_at(obstacles, b, count, j)
+                    off = (x - obstacle.x) * (x - obstacle.x) + (y - obstacle.y) * (y - obstacle.y)
+                    under = larger(under, ti.select(off < obstacle.radius * obstacle.radius, 1.0, 0.0))
+                ground[b * cells + cell] = ti.select(fresh, 0.0 - under, ground[b * cells + cell])
+                free += 1.0 - under
+            s = b * height + ti.static(2 * len(names)) + FREE
+            sums[s] = ti.select(fresh, free, sums[s])
+
+    @ti.func
+    def vary(sums: ti.template(), ground: ti.template(), clock: ti.template(), b):
+        """Coefficient of variation of the cells' visits, when a trial ends."""
+        n, total, squares = lanes(0.0), lanes(0.0), lanes(0.0)
+        for cell in range(cells):
+            visits = ground[b * cells + cell]
+            free = ti.select(visits > -0.5, 1.0, 0.0)
+            n += free
+            total += free * visits
+            squares += free * visits * visits
+        mean = total / larger(n, 1.0)
+        variance = larger(squares / larger(n, 1.0) - mean * mean, 0.0)
+        ended = (clock[b, DONE] > 0.5) & (mean > 0.0)
+        keep(sums, b, ti.static(names.index("visit-variation")), ended, ti.sqrt(variance) / safe(mean))
+
+    @ti.func
+    def measure(
+        prey: ti.template(),
+        numbers: ti.template(),
+        clock: ti.template(),
+        sums: ti.template(),
+        ground: ti.template(),
+        b,
+        counts,
+    ):
+        """Measure each state once: a trial may pause between two ticks."""
+        if ti.static(len(names) > 0 or cells > 0):
+            unseen = (clock[b, MEASURED] < clock[b, AGE] + 0.5) & (clock[b, ON] > 0.5)
+            if anywhere(unseen):
+                after = smaller(numbers[b * width + at.after], numbers[b * width + at.ticks])
+                counted = unseen & (clock[b, AGE] > after - 0.5)
+                if anywhere(counted):
+                    measure_motion(sums, prey, b, counts[0], counted)
+                    if ti.static(bool(pair_names)):
+                        measure_pairs(sums, prey, numbers, b, counts[0], counted)
+                    if ti.static("groups" in names):
+                        measure_groups(sums, prey, numbers, b, counts[0], counted)
+                if ti.static(trapping):
+                    measure_traps(sums, prey, numbers, clock, b, counts[0], unseen)
+                if ti.static(cells > 0):
+                    sweep(sums, ground, prey, numbers, b, counts[0], unseen)
+                    measure_ground(sums, numbers, clock, b, unseen)
+                if ti.static("visit-variation" in names):  # noqa: SIM102 - one branch at compile time, one at run time
+                    if anywhere(clock[b, DONE] > 0.5):
+                        vary(sums, ground, clock, b)
+                clock[b, MEASURED] = ti.select(unseen, clock[b, AGE] + 1.0, clock[b, MEASURED])
+
+    return SimpleNamespace(measure=measure, spread_ground=spread_ground, height=height, cells=cells, count=len(names))

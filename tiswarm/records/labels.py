@@ -1,0 +1,53 @@
+"""States: what agents are called at one tick: calm, alarmed, or a state of their strategy; and which sub-swarm they are of."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tiswarm.scenario.model import Scenario
+from tiswarm.strategies import registry
+
+Memories = Mapping[str, Mapping[str, np.ndarray]]
+
+MOST_PAIRS = 10_000_000
+"""With more pairs than this nobody is called alarmed: a picture of so many could not show it."""
+
+_ROWS = 1_000_000  # pairs compared at once
+
+
+def named(scenario: Scenario, kind: registry.Kind, position: np.ndarray, others: np.ndarray, memories: Memories) -> np.ndarray:
+    """Name each agent's state: what its strategy says, else alarmed when it sees an opponent, else calm: [agent].
+
+    position, others: [agent, dim], m, NaN for those who are gone; memories: strategy -> name -> [agent].
+    """
+    agents = getattr(scenario, kind)
+    state = np.full(len(position), "calm", dtype="<U12")
+    if len(position) * len(others) <= MOST_PAIRS:
+        state[_seen(position, others[np.isfinite(others[:, 0])], agents.perception)] = "alarmed"
+    for name, memory in memories.items():
+        if memory:
+            for label, members in registry.load(kind, name).states(memory, agents.weights).items():
+                state[members] = label
+    state[np.isnan(position[:, 0])] = "calm"
+    return state
+
+
+def _seen(position: np.ndarray, others: np.ndarray, perception: float) -> np.ndarray:
+    """Tell who has any of the others within perception, as the crow flies in the plane: [agent], bool."""
+    found = np.zeros(len(position), bool)
+    rows = max(_ROWS // max(len(others), 1), 1)
+    for first in range(0, len(position) if len(others) else 0, rows):
+        away = position[first : first + rows, None, :2] - others[None, :, :2]
+        found[first : first + rows] = (np.hypot(away[..., 0], away[..., 1]) <= perception).any(axis=1)
+    return found
+
+
+def grouped(scenario: Scenario, kind: registry.Kind, count: int) -> np.ndarray:
+    """Give each agent's sub-swarm where a strategy splits them up, else -1: [agent]."""
+    group = np.full(count, -1, np.int32)
+    for name in registry.parts(kind, getattr(scenario, kind).strategy):
+        strategy = registry.load(kind, name)
+        if hasattr(strategy, "group"):
+            own = [strategy.group(number) for number in range(1, count + 1)]
+            group = np.where(group < 0, own, group).astype(np.int32)
+    return group

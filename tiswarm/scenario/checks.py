@@ -1,0 +1,98 @@
+"""Fit: whether the parts of a scenario go together, each complaint one line that names the mend."""
+
+from typing import Any
+
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.strategies import registry
+
+
+def check(scenario: Any) -> None:
+    """Raise ScenarioError where keys that are right each for itself contradict each other."""
+    dim = scenario.world.dim
+    for path, numbers in _vectors(scenario):
+        if len(numbers) != dim:
+            raise ScenarioError(f"{path}: {list(numbers)} has {len(numbers)} numbers, world.size has {dim}; write {dim}")
+    kind: registry.Kind
+    for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
+        where: registry.Kind
+        for key, where in (("strategy", kind), ("avoidance", "avoidance")):
+            name = getattr(agents, key)
+            able = registry.dimensions(where, name)
+            if dim not in able and (kind == "prey" or agents.count):
+                raise ScenarioError(f"{kind}.{key}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
+        _check_flat(kind, agents, dim)
+        _check_whole(kind, agents)
+        if agents.drive == "unicycle" and dim != 2:
+            raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
+        if agents.min_speed > agents.max_speed:
+            raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
+        if scenario.world.boundary != "open" and agents.count:
+            _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
+    _check_measures(scenario)
+
+
+def _check_flat(kind: registry.Kind, agents: Any, dim: int) -> None:
+    """Refuse choices of a strategy that have a meaning in the plane only."""
+    for part in registry.parts(kind, agents.strategy) if dim != 2 else ():
+        for key, word in getattr(registry.load(kind, part), "flat_only", ()):
+            if agents.weights[key] == word:
+                told = f"{agents.weights[key]!r} needs a flat world, world.size has {dim} numbers"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _check_whole(kind: registry.Kind, agents: Any) -> None:
+    """Refuse weights that must be whole numbers within bounds and are not."""
+    for part in registry.parts(kind, agents.strategy):
+        for key, (least, most) in getattr(registry.load(kind, part), "whole", {}).items():
+            value = agents.weights[key]
+            if value != round(value) or not least <= value <= most:
+                told = f"{value:g} is not allowed; use a whole number from {least} to {most}"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _vectors(scenario: Any) -> list[tuple[str, tuple[float, ...]]]:
+    """List what needs as many numbers as the world has dimensions, where it matters."""
+    found = [("prey.spawn.region", scenario.prey.spawn.region), ("prey.spawn.velocity", scenario.prey.spawn.velocity)]
+    if scenario.predators.count:
+        spawn = scenario.predators.spawn
+        found += [("predators.spawn.region", spawn.region), ("predators.spawn.velocity", spawn.velocity)]
+    if scenario.obstacles.count:
+        found.append(("obstacles.region", scenario.obstacles.region))
+    vectors = [(path, box.low) for path, box in found]
+    return [*vectors, ("target.position", scenario.target.position)] if scenario.target.present else vectors
+
+
+def _inside(path: str, region: Any, size: tuple[float, ...]) -> None:
+    if min(region.low) < 0 or any(high > length for high, length in zip(region.high, size, strict=True)):
+        raise ScenarioError(f"{path}: reaches out of a world with edges; keep it within 0 and world.size, {list(size)}")
+
+
+def _worlds(dimensions: tuple[int, ...]) -> str:
+    return " and ".join(f"{dim}-D worlds" for dim in dimensions)
+
+
+CELLS = 1_000_000
+"""Most cells of a coverage grid: each is counted for eight trials a thread."""
+
+
+def _check_measures(scenario: Any) -> None:
+    swept = [name for name in scenario.measures.names if name in SWEPT]
+    if swept and not scenario.coverage.cell:
+        raise ScenarioError(f"measures.names: '{swept[0]}' needs a grid; set coverage.cell")
+    if "trapped-milling" in scenario.measures.names and scenario.world.dim != 2:
+        raise ScenarioError("measures.names: 'trapped-milling' needs a flat world, where one circles left or right; drop it")
+    if scenario.coverage.cell:
+        if scenario.world.dim != 2:
+            raise ScenarioError("coverage.cell: only a flat world has ground to sweep; set it to 0")
+        cells = 1.0
+        for length in scenario.world.size:
+            cells *= length / scenario.coverage.cell
+        if cells > CELLS:
+            raise ScenarioError(f"coverage.cell: {scenario.coverage.cell:g} gives {cells:,.0f} cells; use a larger one")
+
+
+SWEPT = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
+"""Measures of the coverage grid."""
+
+TRAPS = ("trapped", "trapped-time", "trapped-milling")
+"""Measures of who moves without getting anywhere."""

@@ -1,0 +1,91 @@
+"""Presets: find them by name or path, take in their base, load them as scenarios."""
+
+import os
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.model import Scenario, validated
+from tiswarm.strategies import registry
+
+
+def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """Load a preset by name or a TOML file by path, and change some of its keys.
+
+    overrides: dotted path -> value, as in {"prey.strategy": "evasive", "obstacles.region.0.0": 20}.
+
+    Errors: ScenarioError, one line that names the key, the value and what is allowed.
+    """
+    name = os.fspath(preset)
+    file = find(name)
+    known = {path: each for each, path in presets().items()}
+    scenario = validated({**_table(name), "preset": known.get(file, file.name)})
+    return scenario.replaced(overrides) if overrides else scenario
+
+
+def _table(preset: str, above: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Read a preset's TOML, with what it takes from its base."""
+    if preset in above:
+        raise ScenarioError(f"base: {' -> '.join((*above, preset))} is a circle; drop one 'base' key")
+    table = read_toml(find(preset))
+    base = table.pop("base", None)
+    if base is None:
+        return table
+    if not isinstance(base, str):
+        raise ScenarioError(f"base: {base!r} is not a preset's name")
+    if base.endswith(".toml"):
+        base = str(find(preset).parent / base)
+    return _merged(_table(base, (*above, preset)), table)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file. Errors: ScenarioError."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path}: not valid TOML: {error}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+
+
+def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    out = dict(below)
+    for key, value in above.items():
+        both = isinstance(value, dict) and isinstance(out.get(key), dict)
+        out[key] = _merged(out[key], value) if both else value
+    return out
+
+
+def preset_folder() -> Path:
+    """Find the presets: inside an installed wheel, or beside the package in a checkout."""
+    package = Path(__file__).parents[1]
+    inside = package / "presets"
+    return inside if inside.is_dir() else package.parent / "presets"
+
+
+@cache
+def presets() -> dict[str, Path]:
+    """Map preset names (studies left out) to their files."""
+    folder = preset_folder()
+    found = {file.relative_to(folder).with_suffix("").as_posix(): file for file in sorted(folder.glob("*/*.toml"))}
+    return {name: file for name, file in found.items() if not name.startswith("studies/")}
+
+
+def study_names() -> list[str]:
+    """List the studies that ship with tiswarm."""
+    return sorted(file.stem for file in (preset_folder() / "studies").glob("*.toml"))
+
+
+def find(preset: str) -> Path:
+    """Find a preset's file: a path, a full name, or the plain name of a demo. Errors: ScenarioError."""
+    if preset.endswith(".toml"):
+        return Path(preset)
+    known = presets()
+    file = known.get(preset) or known.get(f"demo/{preset}")
+    if file is None:
+        hint = registry.nearest(preset, list(known))
+        raise ScenarioError(f"preset: unknown '{preset}'; {hint} (list them with 'tiswarm presets')")
+    return file

@@ -1,0 +1,1 @@
+"""Space: the box and its edges, and who is near whom. Knows no agent's rules."""

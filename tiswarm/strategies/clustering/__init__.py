@@ -1,0 +1,1 @@
+"""Clustering: K-means and its knee in lanes."""

@@ -1,0 +1,40 @@
+"""Separation, cohesion and alignment."""
+
+import taichi as ti
+
+from tiswarm.simd.lanes import components, coordinates, dot, larger, motion, place, rates, vector
+
+
+@ti.func
+def see_mate(mates: ti.template(), mate, away, counts, perception2, spacing2):
+    """Add one mate to what an agent sees of its swarm. counts: 1 where it is a neighbour if near enough, else 0.
+
+    away: p - p_j, across a periodic edge where that is shorter.
+
+    mates.n: neighbours; x, y, z: Σ (p - p_j); vx, vy, vz: Σ v_j; push_x, ...: Σ (p - p_j) over those within the spacing.
+    """
+    distance2 = dot(away, away)
+    near = ti.select(distance2 <= perception2, counts, 0.0)
+    close = ti.select(distance2 <= spacing2, near, 0.0)
+    mates.n += near
+    for k in ti.static(range(len(away))):
+        place(mates)[k] += near * away[k]
+        motion(mates)[k] += near * motion(mate)[k]
+        vector(mates, "push")[k] += close * away[k]
+
+
+@ti.func
+def flock(me, mates, cohesion, separation, alignment):
+    """Steer by the neighbours: cohesion (c - p) + separation Σ (p - p_j) + alignment (u - v).
+
+    c, u: mean position and velocity of the neighbours, both zero when there are none: a lone agent is drawn weakly to
+    the map's origin and damped, as in the simulator of Lupau 2022 (equations 5 to 9 and its differences from them).
+    """
+    share = 1.0 / larger(mates.n, 1.0)
+    lone = ti.select(mates.n < 0.5, 1.0, 0.0)
+    return [
+        separation * push - cohesion * (share * away + lone * here) + alignment * (share * together - own)
+        for push, away, here, together, own in ti.static(
+            zip(components(mates, "push"), coordinates(mates), coordinates(me), rates(mates), rates(me), strict=True)
+        )
+    ]

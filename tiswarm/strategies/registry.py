@@ -1,0 +1,187 @@
+"""Find strategies: one file each, in this package, in a user's folder, or from an entry point."""
+
+import ast
+import difflib
+import importlib
+import importlib.metadata
+import importlib.util
+import sys
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal, get_args, get_origin
+
+Kind = Literal["prey", "predators", "avoidance"]
+KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
+
+_folders: list[Path] = []
+
+
+class UnknownStrategy(ValueError):
+    """No file has this name; the message names the nearest one."""
+
+
+def add_path(folder: str | Path) -> None:
+    """Also look for strategies in `folder`/prey, `folder`/predators and `folder`/avoidance.
+
+    Errors: ValueError when none of the three is there, or a name is taken.
+    """
+    folder = Path(folder).resolve()
+    if not any((folder / kind).is_dir() for kind in KINDS):
+        raise ValueError(
+            f"strategy path: {folder} has no folder named prey, predators or avoidance; put your file in one of these"
+        )
+    if folder not in _folders:
+        _folders.append(folder)
+        for cached in (_files, load, parts):
+            cached.cache_clear()
+        try:
+            for kind in KINDS:
+                _files(kind)
+        except ValueError:
+            _folders.remove(folder)
+            raise
+
+
+@cache
+def _files(kind: Kind) -> dict[str, Path | str]:
+    """Map each name to its file, or to the module of an entry point."""
+    found: dict[str, Path | str] = {}
+    for folder in (Path(__file__).parent, *_folders):
+        for file in sorted((folder / kind).glob("*.py")):
+            if not file.stem.startswith("_"):
+                name = file.stem.replace("_", "-")
+                if name in found:
+                    raise ValueError(f"strategy path: {file} and {found[name]} have one name; rename yours")
+                found[name] = file
+    for entry in importlib.metadata.entry_points(group=f"tiswarm.{kind}"):
+        found.setdefault(entry.name.replace("_", "-"), entry.value)
+    return found
+
+
+def names(kind: Kind) -> list[str]:
+    """List the names of a kind, as presets and the command line use them."""
+    return sorted(_files(kind))
+
+
+def described(kind: Kind) -> dict[str, str]:
+    """Map each name to the first line of its file's docstring, without importing the file."""
+    return {name: _first_line(file) for name, file in sorted(_files(kind).items())}
+
+
+def _first_line(file: Path | str) -> str:
+    if isinstance(file, str):
+        return f"(from {file})"
+    doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return doc.splitlines()[0] if doc else ""
+
+
+def nearest(word: str, known: list[str]) -> str:
+    """Say which known word was probably meant."""
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
+
+
+@cache
+def load(kind: Kind, name: str) -> Any:
+    """Import a strategy's class.
+
+    Errors: UnknownStrategy for a name without a file; ValueError for a file without a class named Strategy.
+    """
+    file = _files(kind).get(name)
+    if file is None:
+        raise UnknownStrategy(f"unknown {name!r}; {nearest(name, names(kind))}")
+    if isinstance(file, Path):
+        _check_lanes(file)
+    module = _imported(kind, file)
+    strategy = getattr(module, "Strategy", None)
+    if not isinstance(strategy, type):
+        raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
+    strategy.name = name  # type: ignore[attr-defined]
+    return strategy
+
+
+_NO_LANES = ("abs", "acos", "asin", "atan2", "cos", "exp", "log", "rsqrt", "sin", "tan", "tanh")
+"""What Taichi 1.7.4 cannot do with a vector of lanes: it does not complain, it ends the process."""
+
+
+def _check_lanes(file: Path) -> None:
+    """Refuse what would end the process when its kernel is compiled. Errors: ValueError that names the line and the mend."""
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise ValueError(f"{file}:{error.lineno}: not valid Python: {error.msg}") from None
+    for func in ast.walk(tree):
+        if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
+            continue
+        node: Any
+        for node in ast.walk(func):
+            mend = None
+            if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
+                mend = "lanes cannot be negated: write 0.0 - x"
+            elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Sub):
+                mend = "lanes cannot be decremented in place: write x = x - y"
+            elif isinstance(node, ast.Call) and _ends_in(node.func, _NO_LANES):
+                mend = f"lanes have no {ast.unparse(node.func)}: see CONTRIBUTING, 'Write a term in lanes'"
+            if mend:
+                raise ValueError(f"{file}:{node.lineno}: {mend}")
+
+
+def _ends_in(node: ast.expr, names: tuple[str, ...]) -> bool:
+    """Tell whether a function is called by one of these names, as in abs, ti.abs or ti.math.abs."""
+    return (isinstance(node, ast.Name) and node.id in names) or (isinstance(node, ast.Attribute) and node.attr in names)
+
+
+def _is_ti(node: ast.expr, names: tuple[str, ...]) -> bool:
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ti" and node.attr in names
+
+
+def _imported(kind: Kind, file: Path | str) -> ModuleType:
+    if isinstance(file, str):
+        return importlib.import_module(file.partition(":")[0])
+    if file.parent.parent == Path(__file__).parent:
+        return importlib.import_module(f"tiswarm.strategies.{kind}.{file.stem}")
+    spec = importlib.util.spec_from_file_location(f"tiswarm_user_{kind}_{file.stem}", file)
+    if spec is None or spec.loader is None:
+        raise ValueError(f"{file}: cannot be imported")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # Taichi reads a function's source through its module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever a user's file raises
+        raise ValueError(f"{file}: cannot be imported: {type(error).__name__}: {error}") from None
+    return module
+
+
+@cache
+def parts(kind: Kind, name: str) -> tuple[str, ...]:
+    """Resolve a combination (kitchen-sink, explode-evasive, ...) into the strategies it is made of, in their order."""
+    strategy = load(kind, name)
+    if not strategy.parts:
+        return (name,)
+    return tuple(part for each in strategy.parts for part in parts(kind, each))
+
+
+def defaults(kind: Kind, name: str) -> dict[str, float | str]:
+    """Map the weights of a strategy, those of its parts included, to their defaults."""
+    found: dict[str, float | str] = {}
+    for part in parts(kind, name):
+        weights = load(kind, part).Weights()
+        found.update({key: value if isinstance(value, str) else float(value) for key, value in vars(weights).items()})
+    return found
+
+
+def choices(kind: Kind, name: str) -> dict[str, tuple[Any, ...]]:
+    """Map those weights of a strategy that are a choice to what may be chosen; a kernel sees the place in that list."""
+    return {
+        field.name: get_args(field.type)
+        for part in parts(kind, name)
+        for field in fields(load(kind, part).Weights)
+        if get_origin(field.type) is Literal
+    }
+
+
+def dimensions(kind: Kind, name: str) -> tuple[int, ...]:
+    """List the dimensions of the worlds that a strategy and all its parts support."""
+    return tuple(dim for dim in (2, 3) if all(dim in load(kind, part).dimensions for part in parts(kind, name)))

@@ -1,0 +1,133 @@
+"""Studies: run the cells of a design, batch by batch, each kept as soon as it is finished."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tiswarm.dynamics.table import Structure
+from tiswarm.engine.trials.batch import Progress, simulate_many
+from tiswarm.records.results import Results
+from tiswarm.scenario.model import Scenario
+from tiswarm.simd import runtime
+from tiswarm.studies.design import Cell, Figure, Published, cells, find_study, load_study, published_means
+from tiswarm.studies.report import OUTCOMES, Report, Row
+from tiswarm.studies.store import Ledger
+from tiswarm.system.progress import reporting
+
+
+def run_study(
+    name: str,
+    trials: int | None = None,
+    seed: int | None = None,
+    progress: Progress = False,
+    folder: Path | None = None,
+    fresh: bool = False,
+    overrides: Mapping[str, Any] | None = None,
+    finished: Callable[[Row], None] | None = None,
+    figures: tuple[Figure, ...] | None = None,
+) -> Report:
+    """Run all cells of a study; those that a kernel can hold together are one batch: two kernels for 46 rows, not dozens.
+
+    trials: per cell; seed: of all cells; the study's own when None.
+    folder: where finished cells are kept, and taken from when the same run was cut short before; None keeps nothing.
+    fresh: throw away what the folder holds.
+    overrides: key -> value, in every cell.
+    finished: called with each row, in the order in which they are there.
+    figures: which to draw, the study's own when None.
+
+    Errors: ScenarioError; ValueError when the folder holds another run.
+    """
+    started = time.perf_counter()
+    study = load_study(name)
+    if figures is not None:
+        study = study.model_copy(update={"figures": figures})
+    count = study.trials if trials is None else trials
+    seed = study.seed if seed is None else seed
+    found = cells(name, study, seed, overrides)
+    published = published_means(study, find_study(name).parent, found)
+    about = study.published or Published(file="", trials=1)
+    ledger = None
+    if folder is not None:
+        ledger = Ledger(folder, Path(name).stem, found, seed, count, study.measures, runtime.start())
+        ledger.open(fresh)
+    rows: dict[int, Row] = {}
+
+    def keep(cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
+        means = published.get((cell.table.name, cell.row), {})
+        rows[cell.number] = Row(cell, outcomes, study.shares, means, about.spread, about.trials)
+        if finished is not None:
+            finished(rows[cell.number])
+
+    for cell in found:
+        held = ledger.read(cell) if ledger else None
+        if held is not None:
+            keep(cell, held)
+    missing = [cell for cell in found if cell.number not in rows]
+
+    def finish(cell: Cell, results: Results) -> None:
+        outcomes = outcomes_of(results, study.measures)
+        if ledger:
+            ledger.keep(cell, outcomes)
+        keep(cell, outcomes)
+
+    with reporting(progress, len(found) * count, "trials") as report:
+        _run(missing, count, report, finish, before=len(rows) * count)
+    ordered = [rows[cell.number] for cell in found]
+    result = Report(Path(name).stem, study, ordered, seed, time.perf_counter() - started, len(missing))
+    if ledger:
+        _close(ledger, result)
+    return result
+
+
+def _run(
+    missing: Sequence[Cell], count: int, report: Callable[[int], None], finish: Callable[[Cell, Results], None], before: int
+) -> None:
+    report(before)
+    groups: dict[Any, list[Cell]] = {}
+    for cell in missing:
+        groups.setdefault((_unmixed(cell.scenario), cell.seed), []).append(cell)
+    for group in groups.values():
+        done = before
+
+        def tell(ran: int, _total: int, done: int = done) -> None:
+            report(done + ran)
+
+        def told(k: int, results: Results, group: list[Cell] = group) -> None:
+            finish(group[k], results)
+
+        simulate_many([cell.scenario for cell in group], count, group[0].seed, tell, told)
+        before += len(group) * count
+
+
+def _unmixed(scenario: Scenario) -> tuple[Any, ...]:
+    """Give what two scenarios must have in common to share a kernel: all of its structure but the strategies."""
+    structure = Structure.of([scenario], scenario.predators.count)
+    return tuple(getattr(structure, each.name) for each in fields(structure) if each.name != "parts")
+
+
+def outcomes_of(results: Results, measures: Sequence[str]) -> dict[str, np.ndarray]:
+    """Give what is kept of a cell's trials: name -> [trial]."""
+    return {name: getattr(results, name) for name in OUTCOMES} | {name: results.measure(name) for name in measures}
+
+
+def _close(ledger: Ledger, report: Report) -> None:
+    """Add to the manifest what was computed, and how long all its runs took that came to an end."""
+    told: dict[str, Any] = {"computed": report.computed}
+    if report.correlations:
+        told["correlations"] = [
+            {
+                "x": each.x,
+                "y": each.y,
+                "n": each.n,
+                "pearson": dict(zip(("r", "low", "high"), each.pearson, strict=True)),
+                "spearman": dict(zip(("rho", "low", "high"), each.spearman, strict=True)),
+            }
+            for each in report.correlations
+        ]
+    if report.ran or "wall_time_s" not in ledger.about:
+        told["wall_time_s"] = round(ledger.about.get("wall_time_s", 0.0) + report.seconds, 3)
+    ledger.write(**told)
