@@ -22,6 +22,7 @@ _HOMES = {
     "compare": "records.results",
     "Recording": "records.recording",
     "Swarm": "engine.swarms.simulation",
+    "tune": "learning.tune",
 }
 
 __all__ = [
@@ -39,12 +40,14 @@ __all__ = [
     "load",
     "record",
     "simulate",
+    "tune",
 ]
 
 if TYPE_CHECKING:
     from tiswarm.engine.swarms.simulation import Swarm
     from tiswarm.engine.trials.batch import simulate
     from tiswarm.engine.trials.trial import record
+    from tiswarm.learning.tune import tune
     from tiswarm.records.recording import Recording
     from tiswarm.records.results import Estimate, Results, compare
     from tiswarm.scenario.errors import ScenarioError

@@ -13,6 +13,7 @@ from tiswarm.cli.catalogue import presets, show
 from tiswarm.cli.film import demo, film
 from tiswarm.cli.options import out
 from tiswarm.cli.run import run, speed
+from tiswarm.cli.tune import tune
 from tiswarm.system.progress import INTERRUPTED, heed_interrupts, listen_for_interrupts
 
 app = typer.Typer(
@@ -22,7 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _verb in (presets, show, run, film, demo, bench, speed):
+for _verb in (presets, show, run, film, demo, bench, tune, speed):
     app.command()(_verb)
 
 

@@ -120,7 +120,7 @@ def simulate(
     if weights:
         if scenario.world.neighbours == "grid":
             raise ScenarioError("weights: numbers of single trials need all pairs; set world.neighbours to 'all-pairs'")
-        counts = _check_weights(scenario, weights, trials)
+        counts = check_weights(scenario, weights, trials)
         return _run([scenario], trials, seed, progress, weights, counts)[0]
     return simulate_many([scenario], trials, seed, progress)[0]
 
@@ -221,7 +221,7 @@ def _live_paths(scenario: Scenario) -> list[str]:
     return [f"predators.weights.{name}" for name in found if name]
 
 
-def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
+def check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
     """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
     known = list(scenario.numbers())
     settled = differing(scenario)
@@ -240,7 +240,7 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array
-        if _other_end(path) is None:
+        if other_end(path) is None:
             for end in (array.min(), array.max()):
                 scenario.replaced({path: int(end) if whole else float(end)})
     _check_ends(scenario, arrays)
@@ -258,7 +258,7 @@ def differing(scenario: Scenario) -> set[str]:
     return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
 
 
-def _other_end(path: str) -> str | None:
+def other_end(path: str) -> str | None:
     """Give the key of the other end of a range: "obstacles.radius.0" for "obstacles.radius.1"; None for no end of a range."""
     names = path.split(".")
     for at, name in enumerate(names[:-1]):
@@ -272,7 +272,7 @@ def _check_ends(scenario: Scenario, arrays: Mapping[str, np.ndarray]) -> None:
     """Raise ScenarioError where a range of a single trial runs from a larger to a smaller number."""
     numbers = scenario.numbers()
     for path in arrays:
-        other = _other_end(path)
+        other = other_end(path)
         if other is not None:
             low, high = sorted((path, other))
             below, above = (arrays.get(end, numbers[end]) for end in (low, high))

@@ -1,0 +1,126 @@
+"""Objective: what a tuning makes large, of one scenario or over several, and the trials that show it."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tiswarm.engine.trials.candidates import Candidates
+from tiswarm.learning.keys import Arm
+from tiswarm.records.results import MEASURES, Results
+from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.model import Scenario
+from tiswarm.strategies.registry import nearest
+
+Across = Literal["mean", "worst"]
+
+MOST_VALIDATION = 1 << 20
+CHECK_FIRST = 1 << 20
+SEARCH_FIRST = 1 << 24
+"""Numbers of trials: validation has those from 0, as `tiswarm run` has; the checks that choose among generations those from
+CHECK_FIRST; the search those from SEARCH_FIRST, each generation new ones. No number is of two kinds."""
+
+LAST_TRIAL = 2**31 - 1
+
+_TERM = re.compile(r"([+-]?)\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)\s*\*?\s*)?([a-z][a-z0-9_-]*)")
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A weighted sum of measures, made large: terms are pairs of factor and measure."""
+
+    terms: tuple[tuple[float, str], ...]
+
+    @classmethod
+    def read(cls, text: str) -> "Objective":
+        """Read "success", "-captured" or "success - 0.001 time". Errors: ScenarioError."""
+        joined = re.sub(r"(^|\s)([+-])\s*", r" \2", text.strip())
+        terms = []
+        for word in re.split(r"\s+(?=[+-])", joined.strip()):
+            match = _TERM.fullmatch(word.strip())
+            if match is None:
+                raise ScenarioError(f"objective '{text}': write measures with signs and factors, as in 'success - 0.001 time'")
+            sign, factor, name = match.groups()
+            terms.append((float(factor or 1) * (-1 if sign == "-" else 1), name))
+        return cls(tuple(terms))
+
+    def __str__(self) -> str:
+        """Write the sum as it is read."""
+        words = [f"{'-' if f < 0 else '+'} {'' if abs(f) == 1 else f'{abs(f):g} '}{name}" for f, name in self.terms]
+        return " ".join(words).removeprefix("+ ").replace("- ", "-", 1 if self.terms[0][0] < 0 else 0)
+
+    def check(self, scenario: Scenario) -> None:
+        """Raise ScenarioError for a measure that the scenario does not have."""
+        known = [*MEASURES, *scenario.measures.names]
+        for _, name in self.terms:
+            if name not in known:
+                hint = f"{nearest(name, known)}; others need --set 'measures.names=[\"{name}\"]'"
+                raise ScenarioError(f"objective: no measure '{name}' in {scenario.preset or scenario.title}; {hint}")
+
+    def of(self, results: Results) -> np.ndarray:
+        """Give the sum: [trial], NaN where a measure has no value."""
+        return np.sum([factor * results.measure(name) for factor, name in self.terms], axis=0)
+
+
+class Evaluation:
+    """One arm's candidates run through trials, in all its scenarios."""
+
+    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int) -> None:
+        """Check, and allocate. Errors: ScenarioError."""
+        for scenario in arm.scenarios:
+            objective.check(scenario)
+        bounds = {each.path: (each.low, each.high) for each in arm.ranges}
+        self.arm = arm
+        self._objective = objective
+        self._across = across
+        self._seed = seed
+        self._worlds = [Candidates(scenario, bounds) for scenario in arm.scenarios]
+
+    def outcomes(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
+        """Give the objective: [scenario, candidate, trial]. values: [candidate, range]; trials: [trial], their numbers."""
+        shape = (len(values), len(trials))
+        return np.stack([self._objective.of(world.run(values, trials, self._seed)).reshape(shape) for world in self._worlds])
+
+    def scores(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
+        """Give what candidates are ranked by: [candidate], -inf for one without a value in some scenario."""
+        return scores_of(self.outcomes(values, trials), self._across)
+
+
+def scores_of(outcomes: np.ndarray, across: Across) -> np.ndarray:
+    """Join trials by their mean, scenarios by mean or worst: [scenario, candidate, trial] to [candidate].
+
+    Trials without a value are left out; a candidate without any is ranked last.
+    """
+    there = np.isfinite(outcomes)
+    count = there.sum(axis=2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = np.where(there, outcomes, 0.0).sum(axis=2) / count
+    means = np.where(count > 0, means, -np.inf)
+    return np.asarray(means.mean(axis=0) if across == "mean" else means.min(axis=0))
+
+
+def search_trials(generation: int, count: int) -> np.ndarray:
+    """Give the numbers of a generation's trials, new ones for each."""
+    first = SEARCH_FIRST + generation * count
+    return np.arange(first, first + count)
+
+
+def check_trials(count: int) -> np.ndarray:
+    """Give the numbers of the trials that choose among generations."""
+    return np.arange(CHECK_FIRST, CHECK_FIRST + count)
+
+
+def check_numbers(generations: int, trials: int, checks: int, validation: int) -> None:
+    """Raise ScenarioError where numbers of trials run out or into each other."""
+    if generations * trials > LAST_TRIAL - SEARCH_FIRST:
+        raise ScenarioError(f"tune: {generations} generations of {trials} trials are more than there are; use a smaller budget")
+    for name, count, most in (("checks", checks, SEARCH_FIRST - CHECK_FIRST), ("validation", validation, MOST_VALIDATION)):
+        if not 2 <= count <= most:
+            raise ScenarioError(f"tune: {name} of {count} trials are not possible; use 2 to {most:,}")
+
+
+def as_sequence(scenarios: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:
+    """Give one scenario or several as a tuple."""
+    return (scenarios,) if isinstance(scenarios, Scenario) else tuple(scenarios)
