@@ -1,4 +1,4 @@
-"""Charts: which figures a study gets, laid out for render."""
+"""Figures: which figures a study gets, laid out for render."""
 
 from pathlib import Path
 from typing import Any, get_args

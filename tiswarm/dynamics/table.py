@@ -1,4 +1,4 @@
-"""Layout: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
+"""Table: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields

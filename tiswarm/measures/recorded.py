@@ -1,4 +1,4 @@
-"""Metrics: what a recording shows, tick by tick, in NumPy; of the same trial measure.py measures the same in the kernel."""
+"""Recorded: what a recording shows, tick by tick, in NumPy; of the same trial running.py measures the same in the kernel."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

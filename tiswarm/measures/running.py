@@ -1,4 +1,4 @@
-"""Measure: polarisation, neighbours, energies, swept ground and the like, while a trial runs; metrics.py defines them all."""
+"""Running: polarisation, neighbours, energies, swept ground and the like, while a trial runs; recorded.py defines them all."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Fit: whether the parts of a scenario go together, each complaint one line that names the mend."""
+"""Checks: whether the parts of a scenario go together, each complaint one line that names the mend."""
 
 from typing import Any
 

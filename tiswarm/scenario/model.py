@@ -1,4 +1,4 @@
-"""Scenario: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
+"""Model: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -245,7 +245,7 @@ class Coverage(Part):
 
 
 class Measures(Part):
-    """What is measured while a trial runs, beyond who arrived: see `metrics.py`, and `deadlocks.py` for who is trapped."""
+    """What is measured while a trial runs, beyond who arrived: see `recorded.py`, and `deadlocks.py` for who is trapped."""
 
     names: tuple[Measure, ...] = ()
     after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least

@@ -1,4 +1,4 @@
-"""Designs: studies as their TOML files state them, and the cells they consist of."""
+"""Design: studies as their TOML files state them, and the cells they consist of."""
 
 import csv
 from collections.abc import Mapping
