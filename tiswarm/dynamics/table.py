@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from tiswarm.scenario.checks import TRAPS
 from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies import registry
 

@@ -11,6 +11,8 @@ _HOMES = {
     "Prey": "tiswarm.strategies.prey",
     "Predator": "tiswarm.strategies.predators",
     "Avoidance": "tiswarm.strategies.avoidance",
+    "ReachingField": "tiswarm.strategies.avoidance",
+    "note_mate": "tiswarm.strategies.flocking",
     **dict.fromkeys(
         [
             *("TINY", "anywhere", "capped", "coordinates", "cosine", "dot", "heading", "larger", "logarithm", "minus"),
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
     from tiswarm.simd.lanes import unit as unit
     from tiswarm.simd.lanes import vector as vector
     from tiswarm.strategies.avoidance import Avoidance as Avoidance
+    from tiswarm.strategies.avoidance import ReachingField as ReachingField
+    from tiswarm.strategies.flocking import note_mate as note_mate
     from tiswarm.strategies.predators import Predator as Predator
     from tiswarm.strategies.prey import Prey as Prey
 
