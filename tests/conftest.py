@@ -1,7 +1,7 @@
 """Fixtures: the precision that a test runs in. Starting Taichi anew drops its kernels, so switches are few.
 
-`pytest -n 0 --kernels` reports, after the tests, which file of tests compiled how many kernels in how many seconds: what a suite
-that is too slow should share.
+`pytest -n 0 --kernels` reports, after the tests, which file of tests compiled how many kernels in how many seconds: what a
+suite that is too slow should share.
 """
 
 import time
@@ -61,7 +61,7 @@ def pytest_terminal_summary(terminalreporter):
         machine, python = (sum(_compiled.get(key, [])) for key in (name, f"{name} "))
         rows.append((machine + python, len([1 for each in _compiled.get(name, []) if each]), python, machine, name))
     for total, count, python, machine, name in sorted(rows, reverse=True):
-        terminalreporter.line(f"{total:7.1f} s  {count:4d} kernels  ({python:.1f} s in Python, {machine:.1f} s in LLVM)  {name}")
+        terminalreporter.line(f"{total:7.1f} s  {count:4d} kernels  (Python {python:.1f} s, LLVM {machine:.1f} s)  {name}")
 
 
 @pytest.fixture
