@@ -1,4 +1,4 @@
-"""A stage: one subject, or several side by side, on one canvas, with their cameras and captions."""
+"""Composition: one subject, or several side by side, on one canvas, with their cameras and captions."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

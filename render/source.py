@@ -1,4 +1,4 @@
-"""Live: what a film needs to know of a simulation that runs while it is filmed. Recordings are played the same way."""
+"""Source: what a film needs to know of a simulation that runs while it is filmed. Recordings are played the same way."""
 
 from collections.abc import Iterator
 from typing import Any, Protocol, runtime_checkable

@@ -1,4 +1,4 @@
-"""Look: what a film shows, and how; every choice is checked here, before anything is drawn."""
+"""Style: what a film shows, and how; every choice is checked here, before anything is drawn."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""When: which time of a subject each frame of a film shows."""
+"""Timeline: which time of a subject each frame of a film shows."""
 
 from collections.abc import Iterator
 

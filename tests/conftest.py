@@ -1,8 +1,67 @@
-"""Fixtures: the precision that a test runs in. Starting Taichi anew drops its kernels, so switches are few."""
+"""Fixtures: the precision that a test runs in. Starting Taichi anew drops its kernels, so switches are few.
+
+`pytest -n 0 --kernels` reports, after the tests, which file of tests compiled how many kernels in how many seconds: what a
+suite that is too slow should share.
+"""
+
+import time
+from collections import defaultdict
 
 import pytest
 
 import tiswarm
+
+_compiled: dict[str, list[float]] = defaultdict(list)
+_file = [""]
+
+
+def pytest_addoption(parser):
+    parser.addoption("--kernels", action="store_true", help="report the kernels that each file of tests compiles")
+
+
+def pytest_configure(config):
+    if config.getoption("--kernels"):
+        _watch_compiler()
+
+
+def _watch_compiler():
+    """Time Taichi's compiler: from Python to its own code, and from there to the processor's (or from the cache on disk)."""
+    from taichi._lib import core
+    from taichi.lang.kernel_impl import Kernel
+
+    def timed(owner, name, counts):
+        whole = getattr(owner, name)
+
+        def run(*arguments, **named):
+            begin = time.perf_counter()
+            try:
+                return whole(*arguments, **named)
+            finally:
+                spent = time.perf_counter() - begin
+                if spent > 0.005:  # else it was there already
+                    _compiled[_file[0]].append(spent if counts else 0.0)
+                    _compiled[f"{_file[0]} "].append(0.0 if counts else spent)
+
+        setattr(owner, name, run)
+
+    timed(Kernel, "materialize", counts=False)
+    timed(core.Program, "compile_kernel", counts=True)
+
+
+def pytest_runtest_setup(item):
+    _file[0] = item.location[0]
+
+
+def pytest_terminal_summary(terminalreporter):
+    if not _compiled:
+        return
+    terminalreporter.section("kernels")
+    rows = []
+    for name in {name.strip() for name in _compiled}:
+        machine, python = (sum(_compiled.get(key, [])) for key in (name, f"{name} "))
+        rows.append((machine + python, len([1 for each in _compiled.get(name, []) if each]), python, machine, name))
+    for total, count, python, machine, name in sorted(rows, reverse=True):
+        terminalreporter.line(f"{total:7.1f} s  {count:4d} kernels  (Python {python:.1f} s, LLVM {machine:.1f} s)  {name}")
 
 
 @pytest.fixture

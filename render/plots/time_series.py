@@ -1,4 +1,4 @@
-"""Plots: places, velocities, distances and swept ground against time. Needs matplotlib (pip install "tiswarm[plot]")."""
+"""Time series: places, velocities, distances and swept ground against time. Needs matplotlib (pip install "tiswarm[plot]")."""
 
 import importlib.util
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""A plate: the bytes of one frame, which are drawn on again and again."""
+"""Framebuffer: the bytes of one frame, which are drawn on again and again."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The world: what stands still in a scene, drawn once under a still camera."""
+"""Background: what stands still in a scene, drawn once under a still camera."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Deaths and arrivals: a flash when they happen, a quiet mark afterwards."""
+"""Events: deaths and arrivals: a flash when they happen, a quiet mark afterwards."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Operators: who holds the camera, what of the world it shows, and where it goes."""
+"""Rigs: who holds the camera, what of the world it shows, and where it goes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Now: the agents that can be seen at one time, on the screen."""
+"""Snapshot: the agents that can be seen at one time, on the screen."""
 
 from dataclasses import dataclass
 

@@ -3,7 +3,7 @@
 Usage: python tests/benchmarks/trials.py            (two to three minutes; writes out/benchmarks/trials.csv)
 
 Each figure comes from a process of its own, since a process has one Taichi runtime. Results are checked before they are
-timed (tiswarm/throughput.py); runs with different threads take turns, so that a busy machine hits all alike.
+timed (tiswarm/engine/throughput.py); runs with different threads take turns, so that a busy machine hits all alike.
 """
 
 import csv
@@ -22,7 +22,7 @@ OUT = Path("out/benchmarks/trials.csv")
 
 RATES = """
 import json, sys, tiswarm
-from tiswarm.throughput import WORK, measure
+from tiswarm.engine.throughput import WORK, measure
 tiswarm.init("f32", int(sys.argv[1]))
 print(json.dumps({work.title: measure(work).rate for work in WORK}))
 """

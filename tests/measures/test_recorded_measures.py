@@ -1,7 +1,5 @@
 """Metrics: cases worked by hand, against scikit-learn and SciPy, and what the kernel measured of the same trials."""
 
-from typing import get_args
-
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
@@ -11,10 +9,11 @@ from sklearn.neighbors import NearestNeighbors
 import tiswarm
 from tiswarm.measures import recorded
 from tiswarm.records.recording import Recording, Swarm
-from tiswarm.scenario.model import Measure, Scenario
+from tiswarm.scenario.measures import MEASURED
+from tiswarm.scenario.model import Scenario
 
 GROUND = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
-ALL = get_args(Measure)
+ALL = MEASURED
 BODIES = tuple(name for name in ALL if name not in GROUND)
 DEEP = tuple(name for name in BODIES if name != "trapped-milling")
 TRAPS = ("trapped", "trapped-time", "trapped-milling")

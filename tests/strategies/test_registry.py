@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.prey import Prey
+from tiswarm.strategies import Prey
 
 
 class Strategy(Prey):

@@ -1,4 +1,4 @@
-"""Shelf: what there is to run, and what a scenario looks like written out."""
+"""Catalogue: what there is to run, and what a scenario looks like written out."""
 
 import sys
 from typing import Annotated

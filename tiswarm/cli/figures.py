@@ -1,4 +1,4 @@
-"""Charts: which figures a study gets, laid out for render."""
+"""Figures: which figures a study gets, laid out for render."""
 
 from pathlib import Path
 from typing import Any, get_args
@@ -51,7 +51,7 @@ def _ends(rows: list[Row], measure: str) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def _bars(report: Report, rows: list[Row], folder: Path) -> None:
-    from render.plots.figure import Bars, bars
+    from render.plots.bars import Bars, bars
 
     panels = []
     for measure in report.study.measures:
@@ -65,7 +65,7 @@ def _bars(report: Report, rows: list[Row], folder: Path) -> None:
 
 def _heat(report: Report, rows: list[Row], folder: Path) -> None:
     """Draw a heat map for each measure: the last two axes as rows and columns, a panel for each stop of those before."""
-    from render.plots.charts import Heat, heat
+    from render.plots.heat import Heat, heat
 
     table = rows[0].cell.table
     stops = [[tuple(map(label, stop.values())) for stop in axis.stops()] for axis in table.axes]
@@ -93,7 +93,7 @@ def _product(names: list[list[str]]) -> list[tuple[str, ...]]:
 
 
 def _pairs(report: Report, rows: list[Row], folder: Path) -> None:
-    from render.plots.charts import Differences, pairs
+    from render.plots.pairs import Differences, pairs
 
     table = rows[0].cell.table
     if report.study.independent or len(rows) < 2:
@@ -110,7 +110,7 @@ def _pairs(report: Report, rows: list[Row], folder: Path) -> None:
 
 
 def _scatter(report: Report, rows: list[Row], folder: Path) -> None:
-    from render.plots.charts import Cloud, scatter
+    from render.plots.scatter import Cloud, scatter
 
     table = rows[0].cell.table
     names = [] if table.combine == "latin" else [row.cell.row for row in rows]
@@ -125,7 +125,7 @@ def _scatter(report: Report, rows: list[Row], folder: Path) -> None:
 
 
 def _correlations(report: Report, folder: Path) -> None:
-    from render.plots.charts import Cloud, scatter
+    from render.plots.scatter import Cloud, scatter
 
     rows, measures = report.rows, report.study.measures
     for each in report.correlations:
@@ -145,7 +145,7 @@ def _correlations(report: Report, folder: Path) -> None:
 
 def _game(report: Report, played: Contest, folder: Path) -> None:
     """Draw a pay-off matrix: where prey choose two things, these span a panel for each choice of the predators."""
-    from render.plots.charts import Heat, heat
+    from render.plots.heat import Heat, heat
 
     rules = report.study.game
     assert rules is not None

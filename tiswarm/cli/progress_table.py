@@ -1,4 +1,4 @@
-"""Live: a study while it runs, as a table that grows on the terminal."""
+"""Progress table: a study while it runs, as a table that grows on the terminal."""
 
 import sys
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Rebuilt: the trials that a study's tables counted, run again from its manifest."""
+"""Rerun: the trials that a study's tables counted, run again from its manifest."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""Step: from a course to the next state: drives, the step itself, edges of the world, and prey that bounce."""
+"""Integrator: from a course to the next state: drives, the step itself, edges of the world, and prey that bounce."""
 
 from types import SimpleNamespace
 

@@ -1,7 +1,8 @@
-"""Sense: what an agent makes of its mates, its opponents and the obstacles in a tick, before it moves.
+"""Perception: what an agent makes of its mates, its opponents and the obstacles in a tick, before it moves.
 
-`build` visits everybody of a trial, for `trials.py`; `visit.py` has the same funcs for large swarms, which visit neighbours
-through grids. Both take `here`, a namespace with the arrays and the place of the agent in them, which move.py only hands on.
+`build` visits everybody of a trial, for `kernel.py`; `near_cells.py` has the same funcs for large swarms, which visit
+neighbours through grids. Both take `here`, a namespace with the arrays and the place of the agent in them, which tick.py only
+hands on.
 """
 
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Drive: from what an agent senses to its next state, one agent a lane or one trial a lane; who visits whom is the senses'."""
+"""Steering: from what an agent senses to its next state, an agent or a trial a lane; who visits whom is the senses'."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from tiswarm.simd.lanes import minus, motion
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, uniform) -> SimpleNamespace:
-    """Build prey, predators (one agent's move), begin, remember and steps, for the senses of sense.py or of visit.py."""
+    """Build prey, predators (one agent's move), begin, remember and steps, for the senses of either engine."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)

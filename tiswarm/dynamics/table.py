@@ -1,4 +1,4 @@
-"""Layout: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
+"""Table: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from tiswarm.scenario.checks import TRAPS
 from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies import registry
 

@@ -1,4 +1,4 @@
-"""Observe: what terms and strategies see of the world, as structs of lanes read from a block's arrays."""
+"""Views: what terms and strategies see of the world, as structs of lanes read from a block's arrays."""
 
 from types import SimpleNamespace
 

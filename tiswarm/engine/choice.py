@@ -1,4 +1,4 @@
-"""Neighbours: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
+"""Choice: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
 
 from math import prod
 

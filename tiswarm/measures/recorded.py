@@ -1,8 +1,7 @@
-"""Metrics: what a recording shows, tick by tick, in NumPy; of the same trial measure.py measures the same in the kernel."""
+"""Recorded: what a recording shows, tick by tick, in NumPy; of the same trial running.py measures the same in the kernel."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -11,7 +10,7 @@ from scipy.spatial import KDTree
 
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.records.recording import Recording
-from tiswarm.scenario.model import Measure
+from tiswarm.scenario.measures import MEASURED
 from tiswarm.strategies.registry import nearest as nearest_name
 
 TINY = 1e-12
@@ -200,8 +199,8 @@ def measured(recording: Recording, name: str) -> float:
 
     Errors: ValueError for an unknown name, and for a measure of swept ground where the scenario has no grid.
     """
-    if name not in get_args(Measure):
-        raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(get_args(Measure)))}")
+    if name not in MEASURED:
+        raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(MEASURED))}")
     after = min(recording.scenario.measures.after, recording.scenario.world.ticks)
     if name.startswith("time-to-"):
         return time_to(recording, int(name.removeprefix("time-to-")) / 100)

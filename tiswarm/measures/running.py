@@ -1,4 +1,4 @@
-"""Measure: polarisation, neighbours, energies, swept ground and the like, while a trial runs; metrics.py defines them all."""
+"""Running: polarisation, neighbours, energies, swept ground and the like, while a trial runs; recorded.py defines them all."""
 
 from types import SimpleNamespace
 
@@ -6,15 +6,12 @@ import taichi as ti
 
 from tiswarm.dynamics.table import AGE, DONE, MEASURED, ON, Layout
 from tiswarm.measures import traps
-from tiswarm.scenario.checks import TRAPS
+from tiswarm.scenario.measures import COVERED, TRAPS
 from tiswarm.simd.lanes import anywhere, dot, larger, logarithm, motion, place, safe, smaller, unit
 from tiswarm.simd.runtime import LANES
 
 # Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
 CLEAN, FREE, GROUND_ROWS = range(3)
-
-SHARES = {"time-to-50": 0.50, "time-to-90": 0.90, "time-to-95": 0.95, "time-to-99": 0.99}
-"""Measures of how long it takes until this share of the ground is swept."""
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
@@ -200,8 +197,8 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "coverage"):
                 keep(sums, b, k, unseen, share)
-            if ti.static(names[k] in SHARES):
-                passed = unseen & (share >= ti.static(SHARES.get(names[k], 1.0))) & (sums[b * height + 2 * k + 1] < 0.5)
+            if ti.static(names[k] in COVERED):
+                passed = unseen & (share >= ti.static(COVERED.get(names[k], 1.0))) & (sums[b * height + 2 * k + 1] < 0.5)
                 keep(sums, b, k, passed, time)
 
     @ti.func

@@ -1,4 +1,4 @@
-"""States: what agents are called at one tick: calm, alarmed, or a state of their strategy; and which sub-swarm they are of."""
+"""Labels: what agents are called at one tick: calm, alarmed, or a state of their strategy; and which sub-swarm they are of."""
 
 from collections.abc import Mapping
 

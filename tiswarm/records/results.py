@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
 from tiswarm.system.files import replacing
@@ -23,9 +24,6 @@ Z95 = 1.959963984540054
 
 COLUMNS = ("trial", "seed", "arrived", "captured", "crashed", "alive", "ticks", "first_arrival", "last_arrival")
 """Columns of trials.csv; arrivals are ticks, 0 when nobody arrived."""
-
-MEASURES = ("success", "time", "impact_spread", "arrived", "captured", "crashed", "alive", "ticks")
-"""What a summary estimates."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,7 @@ class Results:
 
     def summary(self) -> dict[str, Estimate]:
         """Estimate each measure over the trials; over those that have it, where some have not."""
-        return {name: Estimate.of(self.measure(name)) for name in (*MEASURES, *self.measures)}
+        return {name: Estimate.of(self.measure(name)) for name in (*COUNTED, *self.measures)}
 
     def measure(self, name: str) -> np.ndarray:
         """Give a measure by name: [trial]. Errors: KeyError."""
@@ -162,7 +160,7 @@ def compare(a: Results, b: Results) -> dict[str, Estimate]:
             f"compare: seed {a.seed} with {a.trials} trials cannot be paired with seed {b.seed} with {b.trials}; run both alike"
         )
     both = [name for name in a.measures if name in b.measures]
-    return {name: Estimate.of(b.measure(name) - a.measure(name)) for name in (*MEASURES, *both)}
+    return {name: Estimate.of(b.measure(name) - a.measure(name)) for name in (*COUNTED, *both)}
 
 
 def manifest(settings: Settings, **told: Any) -> str:

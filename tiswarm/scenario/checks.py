@@ -1,12 +1,16 @@
-"""Fit: whether the parts of a scenario go together, each complaint one line that names the mend."""
+"""Checks: whether the parts of a scenario go together, each complaint one line that names the mend."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.measures import SWEPT
 from tiswarm.strategies import registry
 
+if TYPE_CHECKING:  # the model asks for these checks
+    from tiswarm.scenario.model import Agents, Box, Scenario
 
-def check(scenario: Any) -> None:
+
+def check(scenario: "Scenario") -> None:
     """Raise ScenarioError where keys that are right each for itself contradict each other."""
     dim = scenario.world.dim
     for path, numbers in _vectors(scenario):
@@ -31,7 +35,7 @@ def check(scenario: Any) -> None:
     _check_measures(scenario)
 
 
-def _check_flat(kind: registry.Kind, agents: Any, dim: int) -> None:
+def _check_flat(kind: registry.Kind, agents: "Agents", dim: int) -> None:
     """Refuse choices of a strategy that have a meaning in the plane only."""
     for part in registry.parts(kind, agents.strategy) if dim != 2 else ():
         for key, word in getattr(registry.load(kind, part), "flat_only", ()):
@@ -40,17 +44,17 @@ def _check_flat(kind: registry.Kind, agents: Any, dim: int) -> None:
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 
-def _check_whole(kind: registry.Kind, agents: Any) -> None:
+def _check_whole(kind: registry.Kind, agents: "Agents") -> None:
     """Refuse weights that must be whole numbers within bounds and are not."""
     for part in registry.parts(kind, agents.strategy):
         for key, (least, most) in getattr(registry.load(kind, part), "whole", {}).items():
-            value = agents.weights[key]
+            value = float(agents.weights[key])
             if value != round(value) or not least <= value <= most:
                 told = f"{value:g} is not allowed; use a whole number from {least} to {most}"
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 
-def _vectors(scenario: Any) -> list[tuple[str, tuple[float, ...]]]:
+def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:
     """List what needs as many numbers as the world has dimensions, where it matters."""
     found = [("prey.spawn.region", scenario.prey.spawn.region), ("prey.spawn.velocity", scenario.prey.spawn.velocity)]
     if scenario.predators.count:
@@ -62,7 +66,7 @@ def _vectors(scenario: Any) -> list[tuple[str, tuple[float, ...]]]:
     return [*vectors, ("target.position", scenario.target.position)] if scenario.target.present else vectors
 
 
-def _inside(path: str, region: Any, size: tuple[float, ...]) -> None:
+def _inside(path: str, region: "Box", size: tuple[float, ...]) -> None:
     if min(region.low) < 0 or any(high > length for high, length in zip(region.high, size, strict=True)):
         raise ScenarioError(f"{path}: reaches out of a world with edges; keep it within 0 and world.size, {list(size)}")
 
@@ -75,7 +79,7 @@ CELLS = 1_000_000
 """Most cells of a coverage grid: each is counted for eight trials a thread."""
 
 
-def _check_measures(scenario: Any) -> None:
+def _check_measures(scenario: "Scenario") -> None:
     swept = [name for name in scenario.measures.names if name in SWEPT]
     if swept and not scenario.coverage.cell:
         raise ScenarioError(f"measures.names: '{swept[0]}' needs a grid; set coverage.cell")
@@ -89,10 +93,3 @@ def _check_measures(scenario: Any) -> None:
             cells *= length / scenario.coverage.cell
         if cells > CELLS:
             raise ScenarioError(f"coverage.cell: {scenario.coverage.cell:g} gives {cells:,.0f} cells; use a larger one")
-
-
-SWEPT = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
-"""Measures of the coverage grid."""
-
-TRAPS = ("trapped", "trapped-time", "trapped-milling")
-"""Measures of who moves without getting anywhere."""

@@ -1,4 +1,4 @@
-"""Scenario: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
+"""Model: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from tiswarm.scenario import checks
 from tiswarm.scenario.errors import ScenarioError, explained
+from tiswarm.scenario.measures import Measure
 from tiswarm.strategies import registry
 
 MOST_AGENTS = 4_000_000
@@ -33,10 +34,6 @@ PreyStrategy = Annotated[str, _one_of("prey")]
 PredatorsStrategy = Annotated[str, _one_of("predators")]
 Avoidance = Annotated[str, _one_of("avoidance")]
 Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
-Measure = Literal[
-    "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
-    "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-milling",
-]  # fmt: skip
 
 
 class Weights(dict[str, float | str]):
@@ -245,7 +242,7 @@ class Coverage(Part):
 
 
 class Measures(Part):
-    """What is measured while a trial runs, beyond who arrived: see `metrics.py`, and `deadlocks.py` for who is trapped."""
+    """What is measured while a trial runs, beyond who arrived: see `recorded.py`, and `deadlocks.py` for who is trapped."""
 
     names: tuple[Measure, ...] = ()
     after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least

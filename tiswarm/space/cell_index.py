@@ -1,4 +1,4 @@
-"""Places: which cell a position lies in, the cell's place in the table, and where images of a periodic world lie.
+"""Cell index: which cell a position lies in, the cell's place in the table, and where images of a periodic world lie.
 
 Cells are found in double precision: they then never shift against the reach, however far away.
 """

@@ -1,4 +1,4 @@
-"""Grid: agents of one or many trials in cell order, so that neighbours are a few contiguous ranges."""
+"""Cell list: agents of one or many trials in cell order, so that neighbours are a few contiguous ranges."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""Sorting: agents brought into the order of their places in the table, stably, by counting.
+"""Counting sort: agents brought into the order of their places in the table, stably, by counting.
 
 Each chunk of the agents counts its own places in a table of its own; a scan turns the counts into slots; each chunk moves its
 own agents there. No order depends on threads.

@@ -1,4 +1,4 @@
-"""Walks: lanes that follow each other in a row of cells meet everybody within reach.
+"""Traversal: lanes that follow each other in a row of cells meet everybody within reach.
 
 The rows above and below are walked with their own in one loop, three ranges of agents that follow each other: a loop's end is
 a branch that no processor foresees, and what it costs is paid once instead of three times.

@@ -24,6 +24,18 @@ def see_mate(mates: ti.template(), mate, away, counts, perception2, spacing2):
 
 
 @ti.func
+def note_mate(notes: ti.template(), mate, away, near):
+    """Add a mate to the notes of a strategy that flocks by rules of its own. near: 1 where the mate counts, else 0.
+
+    notes.n: how many; gather_x, ...: Σ (p_j - p); along_x, ...: Σ v_j.
+    """
+    notes.n += near
+    for k in ti.static(range(len(away))):
+        vector(notes, "gather")[k] += -1.0 * near * away[k]
+        vector(notes, "along")[k] += near * motion(mate)[k]
+
+
+@ti.func
 def flock(me, mates, cohesion, separation, alignment):
     """Steer by the neighbours: cohesion (c - p) + separation Σ (p - p_j) + alignment (u - v).
 

@@ -137,7 +137,13 @@ def _is_ti(node: ast.expr, names: tuple[str, ...]) -> bool:
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ti" and node.attr in names
 
 
+_FORMER = {f"tiswarm.{kind}": f"tiswarm.strategies.{kind}" for kind in KINDS} | {"tiswarm.lanes": "tiswarm.simd.lanes"}
+"""Where strategies of version 0.1 import from, and what is there now: users' files go on working."""
+
+
 def _imported(kind: Kind, file: Path | str) -> ModuleType:
+    for former, place in _FORMER.items():
+        sys.modules.setdefault(former, importlib.import_module(place))
     if isinstance(file, str):
         return importlib.import_module(file.partition(":")[0])
     if file.parent.parent == Path(__file__).parent:

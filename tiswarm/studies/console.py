@@ -1,4 +1,4 @@
-"""Tables: results as text, for the terminal."""
+"""Console: results as text, for the terminal."""
 
 import math
 from collections.abc import Sequence

@@ -1,16 +1,17 @@
-"""Designs: studies as their TOML files state them, and the cells they consist of."""
+"""Design: studies as their TOML files state them, and the cells they consist of."""
 
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from tiswarm.scenario.errors import ScenarioError, explained
-from tiswarm.scenario.model import Measure, Part, Positive, Scenario
+from tiswarm.scenario.measures import COUNTED, MEASURED
+from tiswarm.scenario.model import Part, Positive, Scenario
 from tiswarm.scenario.presets import load, preset_folder, read_toml, study_names
 from tiswarm.strategies.registry import nearest
 from tiswarm.studies.axes import Axis, Combine, Whole, label, points
@@ -20,12 +21,6 @@ MEASURES = ("success", "time", "impact_spread")
 
 SHARES = ("success",)
 """Measures that are shares of the agents of a trial."""
-
-OUTCOMES = ("success", "time", "impact_spread", "arrived", "captured", "crashed", "alive", "ticks")
-"""Measures that every trial has."""
-
-MEASURED: tuple[str, ...] = get_args(Measure)
-"""Measures that a scenario has to ask for, which a study does for it."""
 
 MOST_CELLS = 10_000
 
@@ -189,8 +184,8 @@ def cells(name: str, study: Study, seed: int, overrides: Mapping[str, Any] | Non
 def _measuring(scenario: Scenario, names: tuple[str, ...]) -> Scenario:
     """Let a scenario measure what the study reports and it would not. Errors: ScenarioError for an unknown measure."""
     for name in names:
-        if name not in OUTCOMES and name not in MEASURED:
-            raise ScenarioError(f"measures: unknown '{name}'; {nearest(name, [*OUTCOMES, *MEASURED])}")
+        if name not in COUNTED and name not in MEASURED:
+            raise ScenarioError(f"measures: unknown '{name}'; {nearest(name, [*COUNTED, *MEASURED])}")
     new = [name for name in names if name in MEASURED and name not in scenario.measures.names]
     return scenario.replaced({"measures.names": [*scenario.measures.names, *new]}) if new else scenario
 

@@ -1,4 +1,4 @@
-"""Sheets: a report written as CSV and Parquet."""
+"""Export: a report written as CSV and Parquet."""
 
 import csv
 import importlib.util

@@ -1,4 +1,4 @@
-"""Contest: a study's cells read as a game between prey and predators, and what its solution says."""
+"""Pay-offs: a study's cells read as a game between prey and predators, and what its solution says."""
 
 import json
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Studies: run the cells of a design, batch by batch, each kept as soon as it is finished."""
+"""Run: run the cells of a design, batch by batch, each kept as soon as it is finished."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence

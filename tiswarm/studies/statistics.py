@@ -1,4 +1,4 @@
-"""Intervals: what a study's trials allow to say, with 95 % intervals, paired tests and correlations."""
+"""Statistics: what a study's trials allow to say, with 95 % intervals, paired tests and correlations."""
 
 import math
 import warnings

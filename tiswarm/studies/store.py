@@ -1,4 +1,4 @@
-"""Ledger: the finished cells of a study on disk, and the manifest that says whose they are."""
+"""Store: the finished cells of a study on disk, and the manifest that says whose they are."""
 
 import inspect
 import json

@@ -1,4 +1,4 @@
-"""Game: zero-sum games between prey, who choose rows, and predators, who choose columns; pay-offs go to the prey."""
+"""Zero-sum: zero-sum games between prey, who choose rows, and predators, who choose columns; pay-offs go to the prey."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

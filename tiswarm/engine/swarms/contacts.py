@@ -1,4 +1,4 @@
-"""Verdict: who of large swarms dies and arrives, and what the obstacles' fields do; the rules are those of contact.py."""
+"""Contacts: who of large swarms dies and arrives, and what the obstacles' fields do; the rules are dynamics/contact.py's."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Seeds: start states of large swarms as arrays, drawn by the funcs of spawn.py, so that they are those of trials.py."""
+"""Initial: start states of large swarms as arrays, drawn by the funcs of spawn.py, so that they are those of kernel.py."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,7 @@
-"""Stride: the kernels of a tick of large swarms: how all agents of a kind move, and means over whole swarms.
+"""Kernels: what a tick of large swarms launches: how all agents of a kind move, and means over whole swarms.
 
-A crowd (visit.py) has cold rows by number as well: see carry.py. Means are sums over fixed pieces of the slots, added up in
-their order, so that no bit depends on threads.
+A crowd (near_cells.py) has cold rows by number as well: see transfer.py. Means are sums over fixed pieces of the slots, added
+up in their order, so that no bit depends on threads.
 """
 
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Swarm: large swarms, one or many at once; eight agents that follow each other in cell order are the lanes of one thread."""
+"""Simulation: large swarms, one or many at once; eight agents that follow each other in cell order are a thread's lanes."""
 
 from collections.abc import Callable, Iterator
 from operator import index

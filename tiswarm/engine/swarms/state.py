@@ -1,4 +1,4 @@
-"""Crowds: prey, predators and obstacles of large swarms in grids of their own, and what happens to them in a tick."""
+"""State: prey, predators and obstacles of large swarms in grids of their own, and what happens to them in a tick."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ _built: dict[tuple[Any, ...], SimpleNamespace] = {}
 
 @dataclass
 class Crowd:
-    """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see carry.py."""
+    """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see transfer.py."""
 
     grid: Grid
     cold: np.ndarray
@@ -141,7 +141,7 @@ class Crowds:
         return not (self._mortal or self._prey.kept or verlet or self._kernels.averages)
 
     def _tick(self) -> None:
-        """Let the prey move, then the predators, then judge: as trials.py does."""
+        """Let the prey move, then the predators, then judge: as kernel.py does."""
         own, verlet = self._kernels, self._layout.structure.frame.verlet
         hunted = self._layout.structure.hunted
         counts = (self._prey.grid.count, self._predators.grid.count)

@@ -33,7 +33,7 @@ Finished = Callable[[int, Results], None]
 class Blocks:
     """The arrays that a kernel works on: one block of lanes per thread, whatever the number of trials.
 
-    Attributes are as the kernel's arguments of the same names (trials.py).
+    Attributes are as the kernel's arguments of the same names (kernel.py).
     """
 
     def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Trials: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
+"""Kernel: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -114,7 +114,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
         jobs: whole,  # [job] -> row of the table, trial number
         queue: ti.types.ndarray(dtype=ti.i32, ndim=1),  # next job, number of jobs
         results: whole,  # [job, outcome]
-        sums: flat,  # [block * row], see measure.py
+        sums: flat,  # [block * row], see running.py
         ground: flat,  # [block * cell]
         measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
         board: flat,  # [block * row], what predators' surveys write

@@ -1,4 +1,4 @@
-"""Move: one tick of the motion of a block's trials; all agents of a kind read one snapshot."""
+"""Tick: one tick of the motion of a block's trials; all agents of a kind read one snapshot."""
 
 from types import SimpleNamespace
 
@@ -59,7 +59,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         key_low,
         key_high,
     ):
-        """Move all prey (drive.py)."""
+        """Move all prey (steering.py)."""
         if ti.static(driven.starts or "prey" in frame.unicycles):
             fresh = clock[b, AGE] < 0.5
             if anywhere(fresh):
@@ -97,7 +97,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         key_low,
         key_high,
     ):
-        """Move all predators (drive.py)."""
+        """Move all predators (steering.py)."""
         for i in range(counts[1]):
             a = (b * counts[1] + i) * predator_rows
             if ti.static("predators" in frame.unicycles):

@@ -1,4 +1,4 @@
-"""Single: one trial in one lane, tick by tick, with the same kernel and so the same bits as in a batch."""
+"""Trial: one trial in one lane, tick by tick, with the same kernel and so the same bits as in a batch."""
 
 from operator import index
 from typing import Any

@@ -72,3 +72,18 @@ class Avoidance:
     def deflect(me, course, notes, target, dice, weights):
         """Give another course, from what `look` noted; dice.a, dice.b: two random numbers in [0, 1)."""
         return scaled(course, 1.0)
+
+
+class ReachingField(Avoidance):
+    """An avoidance that sees no obstacle whose edge is further away than its weight `reach` [m]."""
+
+    @staticmethod
+    def sight(weights):
+        """Give the weight `reach`."""
+        return weights["reach"]
+
+    @staticmethod
+    @ti.func
+    def reach(weights):
+        """Give the weight `reach`."""
+        return weights.reach

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.simd.lanes import scaled
-from tiswarm.strategies.avoidance import Avoidance
+from tiswarm.strategies.avoidance import ReachingField
 
 
-class Strategy(Avoidance):
+class Strategy(ReachingField):
     """Lupau 2022, equations 12 to 14."""
 
     dimensions = (2, 3)
@@ -19,15 +19,6 @@ class Strategy(Avoidance):
 
         push: float = 10.0  # strength [m²/s]
         reach: float = 3.0  # distance from the obstacle's edge at which the field ends [m]
-
-    @staticmethod
-    def sight(weights):
-        return weights["reach"]
-
-    @staticmethod
-    @ti.func
-    def reach(weights):
-        return weights.reach
 
     @staticmethod
     @ti.func

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.simd.lanes import scaled
-from tiswarm.strategies.avoidance import Avoidance
+from tiswarm.strategies.avoidance import ReachingField
 
 
-class Strategy(Avoidance):
+class Strategy(ReachingField):
     """The simulator of Lupau 2022: repel Σ (p - o)(1 + radius/|p - o|)."""
 
     dimensions = (2, 3)
@@ -19,15 +19,6 @@ class Strategy(Avoidance):
 
         repel: float = 0.3  # strength [1/s]
         reach: float = 5.0  # distance from the obstacle's edge at which the field ends [m]
-
-    @staticmethod
-    def sight(weights):
-        return weights["reach"]
-
-    @staticmethod
-    @ti.func
-    def reach(weights):
-        return weights.reach
 
     @staticmethod
     @ti.func

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.strategies.avoidance import Avoidance
+from tiswarm.strategies.avoidance import ReachingField
 
 
-class Strategy(Avoidance):
+class Strategy(ReachingField):
     """Lupau 2022, equations 15 to 17: A(r) = swirl (r_x - r_y, r_x + r_y) + push r/|r|²."""
 
     @dataclass(frozen=True)
@@ -17,15 +17,6 @@ class Strategy(Avoidance):
         push: float = 10.0  # strength of the outward part [m²/s]
         swirl: float = 1.0  # strength of the spiral part [1/s]
         reach: float = 3.0  # distance from the obstacle's edge at which the field ends [m]
-
-    @staticmethod
-    def sight(weights):
-        return weights["reach"]
-
-    @staticmethod
-    @ti.func
-    def reach(weights):
-        return weights.reach
 
     @staticmethod
     @ti.func

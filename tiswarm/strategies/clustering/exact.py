@@ -1,4 +1,4 @@
-"""Partition: the best of all ways to split up to eight points into k clusters, by dynamic programming over their subsets."""
+"""Exact: the best of all ways to split up to eight points into k clusters, by dynamic programming over their subsets."""
 
 from types import SimpleNamespace
 

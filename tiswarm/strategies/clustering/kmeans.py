@@ -1,4 +1,4 @@
-"""Clustering: K-means of the prey and the knee of its inertia, inside kernels; scikit-learn and kneed as the yardstick."""
+"""K-means: K-means of the prey and the knee of its inertia, inside kernels; scikit-learn and kneed as the yardstick."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Yardstick: sub-swarms of prey by scikit-learn's K-means and kneed's Kneedle, outside of kernels."""
+"""Reference: sub-swarms of prey by scikit-learn's K-means and kneed's Kneedle, outside of kernels."""
 
 import warnings
 

@@ -1,4 +1,4 @@
-"""Exchange: K-means of many points in lanes: several starts each, then single points change clusters while that helps."""
+"""Search: K-means of many points in lanes: several starts each, then single points change clusters while that helps."""
 
 from types import SimpleNamespace
 

@@ -14,7 +14,7 @@ from tiswarm.strategies.predators import Predator
 class Strategy(Predator):
     """Lupau 2022, section 6.3, clustering: predator j chases the centre of sub-swarm j mod k, c - p.
 
-    Sub-swarms are found once a tick, by K-means for k = 1 to max_clusters and the knee of its inertia (`clustering.py`).
+    Sub-swarms are found once a tick, by K-means for k = 1 to max_clusters and the knee of its inertia (`kmeans.py`).
     """
 
     dimensions = (2, 3)

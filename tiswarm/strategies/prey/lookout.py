@@ -6,6 +6,7 @@ from typing import Literal
 import taichi as ti
 
 from tiswarm.simd.lanes import dot, larger, motion, vector
+from tiswarm.strategies.flocking import note_mate
 from tiswarm.strategies.prey import Prey
 
 
@@ -36,13 +37,11 @@ class Strategy(Prey):
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         distance2 = dot(away, away)
         near = ti.select(distance2 <= me.perception * me.perception, mate.alive, 0.0)
-        notes.n += near
+        note_mate(notes, mate, away, near)
         push = near / larger(distance2 + weights.soft * weights.soft, 1e-12)
         for k in ti.static(range(len(away))):
             size = larger(away[k], 0.0 - away[k])
             single = near * away[k] / larger(size * larger(size, weights.soft), 1e-12)
-            vector(notes, "gather")[k] += -1.0 * near * away[k]
-            vector(notes, "along")[k] += near * motion(mate)[k]
             vector(notes, "push")[k] += ti.select(weights.separation_form > 0.5, single, push * away[k])
 
     @staticmethod

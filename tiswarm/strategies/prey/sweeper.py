@@ -6,6 +6,7 @@ from typing import Literal
 import taichi as ti
 
 from tiswarm.simd.lanes import dot, larger, motion, safe, vector
+from tiswarm.strategies.flocking import note_mate
 from tiswarm.strategies.prey import Prey
 
 
@@ -36,12 +37,10 @@ class Strategy(Prey):
         distance2 = safe(dot(away, away))
         near = ti.select(distance2 <= me.perception * me.perception, mate.alive, 0.0)
         close = ti.select(distance2 <= me.spacing * me.spacing, near, 0.0)
-        notes.n += near
+        note_mate(notes, mate, away, near)
         notes.close += close
         push = close / ti.select(weights.separation_power > 0.5, distance2, ti.sqrt(distance2))
         for k in ti.static(range(len(away))):
-            vector(notes, "gather")[k] += -1.0 * near * away[k]
-            vector(notes, "along")[k] += near * motion(mate)[k]
             vector(notes, "push")[k] += push * away[k]
 
     @staticmethod
