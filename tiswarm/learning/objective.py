@@ -1,7 +1,6 @@
 """Objective: what a tuning makes large, of one scenario or over several, and the trials that show it."""
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,8 +8,9 @@ import numpy as np
 
 from tiswarm.engine.trials.candidates import Candidates
 from tiswarm.learning.keys import Arm
-from tiswarm.records.results import MEASURES, Results
+from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
+from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies.registry import nearest
 
@@ -53,7 +53,7 @@ class Objective:
 
     def check(self, scenario: Scenario) -> None:
         """Raise ScenarioError for a measure that the scenario does not have."""
-        known = [*MEASURES, *scenario.measures.names]
+        known = [*COUNTED, *scenario.measures.names]
         for _, name in self.terms:
             if name not in known:
                 hint = f"{nearest(name, known)}; others need --set 'measures.names=[\"{name}\"]'"
@@ -119,8 +119,3 @@ def check_numbers(generations: int, trials: int, checks: int, validation: int) -
     for name, count, most in (("checks", checks, SEARCH_FIRST - CHECK_FIRST), ("validation", validation, MOST_VALIDATION)):
         if not 2 <= count <= most:
             raise ScenarioError(f"tune: {name} of {count} trials are not possible; use 2 to {most:,}")
-
-
-def as_sequence(scenarios: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:
-    """Give one scenario or several as a tuple."""
-    return (scenarios,) if isinstance(scenarios, Scenario) else tuple(scenarios)
