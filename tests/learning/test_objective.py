@@ -7,7 +7,7 @@ import tiswarm
 from tiswarm.engine.trials.candidates import Candidates
 from tiswarm.learning import objective
 from tiswarm.learning.keys import arms
-from tiswarm.learning.objective import Evaluation, Objective, scores_of
+from tiswarm.learning.objective import Evaluation, Objective, Term, scores_of
 
 TUNED = {"prey.strategy": "evasive", "prey.avoidance": "kitchen-sink"}
 
@@ -15,19 +15,23 @@ TUNED = {"prey.strategy": "evasive", "prey.avoidance": "kitchen-sink"}
 @pytest.mark.parametrize(
     ("text", "terms"),
     [
-        ("success", ((1, "success"),)),
-        ("-captured", ((-1, "captured"),)),
-        ("success - 0.001 time", ((1, "success"), (-0.001, "time"))),
-        ("2*success + 1e-3*time-to-50 -crashed", ((2, "success"), (1e-3, "time-to-50"), (-1, "crashed"))),
+        ("success", [Term(1, "success")]),
+        ("-captured", [Term(-1, "captured")]),
+        ("success - 0.001 time", [Term(1, "success"), Term(-0.001, "time")]),
+        ("2*success + 1e-3*time-to-50 -crashed", [Term(2, "success"), Term(1e-3, "time-to-50"), Term(-1, "crashed")]),
+        ("-|nearest - 4| + success", [Term(-1, "nearest", 4), Term(1, "success")]),
+        (" 0.5 |time-to-50 - .5|", [Term(0.5, "time-to-50", 0.5)]),
     ],
 )
 def test_sums_are_read_and_written(text, terms):
     read = Objective.read(text)
-    assert read.terms == terms
+    assert list(read.terms) == terms
     assert Objective.read(str(read)) == read
 
 
-@pytest.mark.parametrize("text", ["", "success -", "3", "success time", "Success!"])
+@pytest.mark.parametrize(
+    "text", ["", " ", "success -", "3", "success time", "Success!", "|nearest|", "|nearest - 4", "success-"]
+)
 def test_what_is_no_sum_is_refused(text):
     with pytest.raises(tiswarm.ScenarioError, match="write measures"):
         Objective.read(text)

@@ -113,9 +113,11 @@ def tune(
 
 def negated(text: str) -> str:
     """Turn an objective's signs round: what to make small becomes what to make large."""
+    from dataclasses import replace
+
     from tiswarm.learning.objective import Objective
 
-    return str(Objective(tuple((-factor, name) for factor, name in Objective.read(text).terms)))
+    return str(Objective(tuple(replace(each, factor=-each.factor) for each in Objective.read(text).terms)))
 
 
 def print_tuned(tuned: Any) -> None:

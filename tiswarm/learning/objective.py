@@ -24,44 +24,72 @@ CHECK_FIRST; the search those from SEARCH_FIRST, each generation new ones. No nu
 
 LAST_TRIAL = 2**31 - 1
 
-_TERM = re.compile(r"([+-]?)\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)\s*\*?\s*)?([a-z][a-z0-9_-]*)")
+_NUMBER = r"(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)"
+_NAME = r"[a-z](?:[a-z0-9_]|-(?=[a-z0-9]))*"
+_TERM = re.compile(rf"\s*([+-]?)\s*(?:({_NUMBER})\s*\*?\s*)?(?:({_NAME})|\|\s*({_NAME})\s+-\s+({_NUMBER})\s*\|)(?=\s|$)")
+
+
+@dataclass(frozen=True)
+class Term:
+    """One part of an objective: factor times a measure, or times how far that is from an aim."""
+
+    factor: float
+    measure: str
+    aim: float | None = None
+
+    def of(self, results: Results) -> np.ndarray:
+        """Give the part: [trial], NaN where the measure has no value."""
+        values = results.measure(self.measure)
+        return self.factor * (values if self.aim is None else np.abs(values - self.aim))
+
+    def __str__(self) -> str:
+        """Write the part without its sign."""
+        factor = "" if abs(self.factor) == 1 else f"{abs(self.factor):g} "
+        return factor + (self.measure if self.aim is None else f"|{self.measure} - {self.aim:g}|")
 
 
 @dataclass(frozen=True)
 class Objective:
-    """A weighted sum of measures, made large: terms are pairs of factor and measure."""
+    """A weighted sum of measures, made large."""
 
-    terms: tuple[tuple[float, str], ...]
+    terms: tuple[Term, ...]
 
     @classmethod
     def read(cls, text: str) -> "Objective":
-        """Read "success", "-captured" or "success - 0.001 time". Errors: ScenarioError."""
-        joined = re.sub(r"(^|\s)([+-])\s*", r" \2", text.strip())
-        terms = []
-        for word in re.split(r"\s+(?=[+-])", joined.strip()):
-            match = _TERM.fullmatch(word.strip())
-            if match is None:
-                raise ScenarioError(f"objective '{text}': write measures with signs and factors, as in 'success - 0.001 time'")
-            sign, factor, name = match.groups()
-            terms.append((float(factor or 1) * (-1 if sign == "-" else 1), name))
+        """Read "success", "-captured", "success - 0.001 time" or "-|nearest - 4|". Errors: ScenarioError."""
+        terms: list[Term] = []
+        place = 0
+        while place < len(text.rstrip()):
+            match = _TERM.match(text, place)
+            if match is None or (terms and not match[1]):
+                break
+            sign, factor, name, near, aim = match.groups()
+            value = float(factor or 1) * (-1 if sign == "-" else 1)
+            terms.append(Term(value, name or near, None if aim is None else float(aim)))
+            place = match.end()
+        if not terms or text[place:].strip():
+            raise ScenarioError(
+                f"objective '{text}': write measures with signs and factors, as in 'success - 0.001 time' or '-|nearest - 4|'"
+            )
         return cls(tuple(terms))
 
     def __str__(self) -> str:
         """Write the sum as it is read."""
-        words = [f"{'-' if f < 0 else '+'} {'' if abs(f) == 1 else f'{abs(f):g} '}{name}" for f, name in self.terms]
-        return " ".join(words).removeprefix("+ ").replace("- ", "-", 1 if self.terms[0][0] < 0 else 0)
+        first, *others = self.terms
+        words = [f"{'-' if first.factor < 0 else ''}{first}"]
+        return " ".join([*words, *(f"{'-' if each.factor < 0 else '+'} {each}" for each in others)])
 
     def check(self, scenario: Scenario) -> None:
         """Raise ScenarioError for a measure that the scenario does not have."""
         known = [*COUNTED, *scenario.measures.names]
-        for _, name in self.terms:
+        for name in (each.measure for each in self.terms):
             if name not in known:
                 hint = f"{nearest(name, known)}; others need --set 'measures.names=[\"{name}\"]'"
                 raise ScenarioError(f"objective: no measure '{name}' in {scenario.preset or scenario.title}; {hint}")
 
     def of(self, results: Results) -> np.ndarray:
         """Give the sum: [trial], NaN where a measure has no value."""
-        return np.sum([factor * results.measure(name) for factor, name in self.terms], axis=0)
+        return np.asarray(np.sum([each.of(results) for each in self.terms], axis=0))
 
 
 class Evaluation:
