@@ -11,6 +11,7 @@ import taichi as ti
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Shape
 from tiswarm.strategies import registry
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -30,13 +31,14 @@ _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohe
 class Part:
     """One strategy or avoidance whose code a kernel holds.
 
-    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell.
+    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell; shape: of its network.
     """
 
     kind: str
     role: str
     name: str
     mixed: bool
+    shape: Shape | None = None
 
     @property
     def strategy(self) -> Any:
@@ -119,13 +121,26 @@ class Structure:
         for kind, role in ROLES if hunted else ROLES[:2]:
             chosen = [_chosen_parts(scenario, kind, role) for scenario in scenarios]
             for name in sorted(set().union(*chosen)):
-                parts.append(Part(kind, role, name, mixed=not all(name in each for each in chosen)))
+                mixed = not all(name in each for each in chosen)
+                parts.append(Part(kind, role, name, mixed, _shape_of(scenarios, kind, role, name)))
         return cls(frames.pop(), tuple(parts), hunted)
 
 
 def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
     where: Any = kind if role == "strategy" else "avoidance"
     return registry.parts(where, getattr(getattr(scenario, kind), role))
+
+
+def _shape_of(scenarios: Sequence[Scenario], kind: str, role: str, name: str) -> Shape | None:
+    """Give the shape of the networks that a strategy of several scenarios has. Errors: ScenarioError when they differ."""
+    users = [each for each in scenarios if name in _chosen_parts(each, kind, role)]
+    found = {network.shape for network in (each.network(kind) for each in users) if network is not None}
+    if role != "strategy" or not found:
+        return None
+    if len(found) > 1:
+        layers = " and ".join(sorted(f"{shape.inputs} {'-'.join(map(str, shape.layers))}" for shape in found))
+        raise ScenarioError(f"batch: networks differ in shape ({layers}); run them one after the other")
+    return found.pop()
 
 
 def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
@@ -217,27 +232,33 @@ class Layout:
 
     def _add(self, part: Part, lanes: Any) -> None:
         strategy = part.strategy
-        weights = [field.name for field in fields(strategy.Weights)]
+        weights = _numbers_of(strategy)
         derived = list(strategy.derived({name: np.zeros(1) for name in weights}))
         names = ["on", *weights, *derived]
         memory = self._names(getattr(strategy, "memory", ()))
         notes = self._names(strategy.notes) or ["nothing"]
         row = self.agent_rows[part.kind]
-        self.agent_rows[part.kind] += len(memory)
+        scratch = row + len(memory)
+        self.agent_rows[part.kind] = scratch + (part.shape.scratch if part.shape else 0)
         board = SimpleNamespace(**vars(self.board))  # where its own rows begin
         if part.kind == "predators" and part.role == "strategy":
             fixed, each = strategy.board_rows(len(self.axes))
             self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
+        columns = [self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names]
+        network = len(self.paths)
+        self.paths += self._network_paths(part)
         self._parts.append(
             SimpleNamespace(
                 part=part,
                 strategy=strategy,
                 own=[hook for hook in vars(_base_of(strategy)) if _overrides(strategy, hook)],
                 names=names,
-                columns=[self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names],
+                columns=columns,
                 memory=memory,
                 memory_rows=list(range(row, row + len(memory))),
                 board=board,
+                scratch=scratch,
+                network=network,
                 Weights=ti.types.struct(**dict.fromkeys(names, lanes)),
                 Memory=ti.types.struct(**dict.fromkeys(memory or ["nothing"], lanes)),
                 note_names=notes,
@@ -264,13 +285,20 @@ class Layout:
             if name in self._names(getattr(each.strategy, "shown", ()))
         }
 
-    def table(self, scenarios: Sequence[Scenario], weights: Mapping[str, np.ndarray] | None = None) -> np.ndarray:
+    def table(
+        self,
+        scenarios: Sequence[Scenario],
+        weights: Mapping[str, np.ndarray] | None = None,
+        networks: Mapping[str, np.ndarray] | None = None,
+    ) -> np.ndarray:
         """Lay the numbers of scenarios out, one row each: [row, column], float64.
 
-        weights: path -> [trial], numbers that differ from trial to trial; then one scenario gives as many rows as trials.
+        weights: path -> [row], numbers that differ from row to row; then one scenario gives as many rows. networks: prey or
+        predators -> [row, weight], networks that differ so.
         """
         every = [scenario.numbers() for scenario in scenarios]
-        rows = len(next(iter(weights.values()))) if weights else len(every)
+        differing = [*(weights or {}).values(), *(networks or {}).values()]
+        rows = len(differing[0]) if differing else len(every)
 
         def numbers(path: str) -> np.ndarray:
             if weights and path in weights:
@@ -281,11 +309,32 @@ class Layout:
         columns = {path: numbers(path) for path in self.paths if ":" not in path}
         for each in self._parts:
             part = each.part
-            own = {field.name: numbers(f"{part.kind}.weights.{field.name}") for field in fields(each.strategy.Weights)}
+            own = {name: numbers(f"{part.kind}.weights.{name}") for name in _numbers_of(each.strategy)}
             on = np.array([float(part.name in _chosen_parts(scenario, part.kind, part.role)) for scenario in scenarios])
             own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
             columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
+            if part.shape is not None:
+                for path, column in zip(self._network_paths(part), self._networks(part, scenarios, networks), strict=True):
+                    columns[path] = column
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
+
+    @staticmethod
+    def _network_paths(part: Part) -> list[str]:
+        return [f"{part.kind}.{part.role}:{part.name}.network.{k}" for k in range(part.shape.size if part.shape else 0)]
+
+    @staticmethod
+    def _networks(part: Part, scenarios: Sequence[Scenario], given: Mapping[str, np.ndarray] | None) -> np.ndarray:
+        """Give the weights of networks, [weight, row]: those given, or each scenario's own, zeros for one without."""
+        if given and part.kind in given:
+            return np.asarray(given[part.kind], np.float64).T
+        assert part.shape is not None
+        own = [each.network(part.kind) for each in scenarios]
+        return np.stack([np.zeros(part.shape.size) if one is None else one.weights for one in own], axis=1)
+
+
+def _numbers_of(strategy: Any) -> list[str]:
+    """List the weights of a strategy but the name of its network's file."""
+    return [field.name for field in fields(strategy.Weights) if field.type is not str]
 
 
 def _base_of(strategy: type) -> type:

@@ -22,6 +22,7 @@ class Predator:
     live: the weight that, when not 0, lets `consult` do on the host what `survey` does in kernels: single trials only.
     flocks: whether the scenario's separation, cohesion and alignment act.
     rules: whether `pursue` gives the velocity itself, so that nothing else adds to it.
+    networked: whether a network, the file that the weight `network` names, sets gains or velocity by what is noted.
     """
 
     parts: tuple[str, ...] = ()
@@ -33,6 +34,7 @@ class Predator:
     live: str = ""
     flocks: bool = True
     rules: bool = False
+    networked: bool = False
 
     @dataclass(frozen=True)
     class Weights:
@@ -86,6 +88,11 @@ class Predator:
 
         away: the way from it to me.
         """
+
+    @staticmethod
+    @ti.func
+    def notice(notes: ti.template(), me, obstacle, away, weights):
+        """Add to the notes what one obstacle tells, at any distance, for a network; away: the way from its centre."""
 
     @staticmethod
     @ti.func
