@@ -112,6 +112,18 @@ def constant(shape: Shape, outputs: np.ndarray) -> Network:
     return Network(shape, weights)
 
 
+def begun(shape: Shape, outputs: np.ndarray, seed: int = 0) -> Network:
+    """Give a network to begin training with: answers as `constant`, hidden neurons that each look elsewhere."""
+    rng = np.random.default_rng(seed)
+    weights = constant(shape, outputs).weights.copy()
+    place = 0
+    for before, after in zip(shape.layers[:-2], shape.layers[1:-1], strict=True):
+        rows = weights[place : place + (before + 1) * after].reshape(after, before + 1)
+        rows[:, :-1] = rng.normal(0.0, before**-0.5, (after, before))
+        place += rows.size
+    return Network(shape, weights)
+
+
 def find(name: str) -> Path:
     """Find a network's file: a path, or a name beside the presets that ship with tiswarm. Errors: ScenarioError."""
     from tiswarm.scenario.presets import preset_folder
