@@ -7,7 +7,7 @@ import render
 import tiswarm
 from render.captions.caption import counters
 from render.composition import Stage
-from render.scene.background import Field
+from render.scene.background import Field, reaching_in
 from render.scene.coverage import Cells
 from render.source import is_sky
 from render.style import Look
@@ -223,3 +223,17 @@ def test_a_field_is_drawn_as_arrows(tmp_path):
     drawn, plain = (stage.frame(0.0, stage.canvas.blank()).reshape(240, 400, 3).astype(int) for stage in stages)
     assert (np.abs(drawn - plain).max(axis=2) > 20).sum() > 200
     render.poster(recording, tmp_path / "a.png", SIZE, field=Field(points, np.zeros_like(points)))
+
+
+def test_what_reaches_across_a_periodic_edge_is_drawn_on_both_sides():
+    centres, radii = np.array([[39.0, 10.0], [0.5, 0.5], [20.0, 10.0]]), np.array([2.0, 1.0, 2.0])
+    sky = world(path(np.full((2, 1, 2), 20.0), np.zeros(2)), **{"world.boundary": "periodic"})
+    images, sizes = reaching_in(sky, centres, radii)
+    there = {(*map(float, spot), float(size)) for spot, size in zip(images, sizes, strict=True)}
+    corner = {(x, y, 1.0) for x in (0.5, 40.5) for y in (0.5, 20.5)}
+    assert there == {(39.0, 10.0, 2.0), (-1.0, 10.0, 2.0), (20.0, 10.0, 2.0)} | corner
+    room, wide = np.array([[0.5, 5.0, 10.0]]), np.array([1.0])
+    walls = world(path(np.full((2, 1, 2), 20.0), np.zeros(2)), **{"world.boundary": "walls"})
+    assert len(reaching_in(walls, centres, radii)[0]) == 3
+    deep = world(path(np.full((2, 1, 3), 10.0), np.zeros(3)), **{"world.boundary": "periodic"})
+    assert sorted(reaching_in(deep, room, wide)[0][:, 0].tolist()) == [0.5, 40.5]
