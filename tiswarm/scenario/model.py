@@ -12,6 +12,7 @@ from tiswarm.scenario import checks
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import Measure
 from tiswarm.strategies import registry
+from tiswarm.system.words import did_you_mean
 
 MOST_AGENTS = 4_000_000
 
@@ -202,7 +203,7 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
     for key in given:
         if key not in known:
             chosen = f"strategy '{agents.get('strategy')}' with avoidance '{agents.get('avoidance')}'"
-            hint = registry.nearest(str(key), sorted(known)) if known else "they have none"
+            hint = did_you_mean(str(key), sorted(known)) if known else "they have none"
             raise ScenarioError(f"{kind}.weights.{key}: no weight of {chosen}; {hint}")
         if key in words and given[key] not in words[key]:
             hint = " or ".join(repr(word) for word in words[key])

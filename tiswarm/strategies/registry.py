@@ -1,7 +1,6 @@
 """Find strategies: one file each, in this package, in a user's folder, or from an entry point."""
 
 import ast
-import difflib
 import importlib
 import importlib.metadata
 import importlib.util
@@ -11,6 +10,8 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
+
+from tiswarm.system.words import did_you_mean
 
 Kind = Literal["prey", "predators", "avoidance"]
 KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
@@ -77,12 +78,6 @@ def _first_line(file: Path | str) -> str:
     return doc.splitlines()[0] if doc else ""
 
 
-def nearest(word: str, known: list[str]) -> str:
-    """Say which known word was probably meant."""
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
-
-
 @cache
 def load(kind: Kind, name: str) -> Any:
     """Import a strategy's class.
@@ -91,7 +86,7 @@ def load(kind: Kind, name: str) -> Any:
     """
     file = _files(kind).get(name)
     if file is None:
-        raise UnknownStrategy(f"unknown {name!r}; {nearest(name, names(kind))}")
+        raise UnknownStrategy(f"unknown {name!r}; {did_you_mean(name, names(kind))}")
     if isinstance(file, Path):
         _check_lanes(file)
     module = _imported(kind, file)
