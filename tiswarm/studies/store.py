@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.records.results import manifest, write_text
+from tiswarm.records.manifest import manifest
 from tiswarm.simd.runtime import Settings
 from tiswarm.strategies import registry
 from tiswarm.studies.design import Cell
-from tiswarm.system.files import check_writable, replacing
+from tiswarm.system.files import check_writable, replacing, write_text
 
 MANIFEST = "manifest.json"
 
