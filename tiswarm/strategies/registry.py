@@ -5,6 +5,7 @@ import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from collections.abc import Iterator
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,9 @@ from tiswarm.system.words import did_you_mean
 
 Kind = Literal["prey", "predators", "avoidance"]
 KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
+
+Side = Literal["prey", "predators"]
+Role = Literal["strategy", "avoidance"]
 
 _folders: list[Path] = []
 
@@ -119,6 +123,19 @@ def _imported(kind: Kind, file: Path | str) -> ModuleType:
     except Exception as error:  # whatever a user's file raises
         raise ValueError(f"{file}: cannot be imported: {type(error).__name__}: {error}") from None
     return module
+
+
+def catalogues(side: Side) -> tuple[tuple[Role, Kind], ...]:
+    """Give the two roles of a side, each with the kind that it chooses from: both sides avoid by the same strategies."""
+    return ("strategy", side), ("avoidance", "avoidance")
+
+
+def roles(scenario: Any) -> Iterator[tuple[Side, Role, Kind, str]]:
+    """List what a scenario chooses: side, role, the kind that is chosen from, and the name."""
+    sides: tuple[Side, ...] = ("prey", "predators")
+    for side in sides:
+        for role, kind in catalogues(side):
+            yield side, role, kind, getattr(getattr(scenario, side), role)
 
 
 @cache
