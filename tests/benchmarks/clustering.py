@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
 
 ROUNDS = 5

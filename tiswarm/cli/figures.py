@@ -7,11 +7,11 @@ import numpy as np
 
 from tiswarm.cli.options import WrongInput
 from tiswarm.records.results import Z95
-from tiswarm.strategies.registry import nearest
 from tiswarm.studies.axes import label
 from tiswarm.studies.design import Figure
 from tiswarm.studies.payoffs import SHOWN, Contest
 from tiswarm.studies.report import Report, Row, figures_of
+from tiswarm.system.words import did_you_mean
 
 AXES = {"success": "share of prey that arrive", "time": "trial time [s]", "impact_spread": "last minus first arrival [s]"}
 
@@ -23,7 +23,7 @@ def chosen(text: str | None) -> tuple[Any, ...] | None:
     names = [] if text.strip() == "none" else [name.strip() for name in text.split(",") if name.strip()]
     for name in names:
         if name not in get_args(Figure):
-            raise WrongInput(f"--figures {text}: unknown '{name}'; {nearest(name, [*get_args(Figure), 'none'])}")
+            raise WrongInput(f"--figures {text}: unknown '{name}'; {did_you_mean(name, [*get_args(Figure), 'none'])}")
     return tuple(names)
 
 

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.measures import MEASURED
-from tiswarm.strategies.registry import nearest as nearest_name
+from tiswarm.system.words import did_you_mean
 
 TINY = 1e-12
 """Squared lengths are not taken for smaller than this in quotients, so that coincident agents give no infinity [m²]."""
@@ -200,7 +200,7 @@ def measured(recording: Recording, name: str) -> float:
     Errors: ValueError for an unknown name, and for a measure of swept ground where the scenario has no grid.
     """
     if name not in MEASURED:
-        raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(MEASURED))}")
+        raise ValueError(f"measure: unknown '{name}'; {did_you_mean(name, list(MEASURED))}")
     after = min(recording.scenario.measures.after, recording.scenario.world.ticks)
     if name.startswith("time-to-"):
         return time_to(recording, int(name.removeprefix("time-to-")) / 100)

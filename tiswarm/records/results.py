@@ -5,7 +5,6 @@ import io
 import json
 import math
 import os
-import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -13,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.records.manifest import manifest
 from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
-from tiswarm.system.files import replacing
-from tiswarm.version import __version__
+from tiswarm.system.files import write_text
 
 Z95 = 1.959963984540054
 """Half the width of a 95 % interval in standard errors."""
@@ -161,40 +160,6 @@ def compare(a: Results, b: Results) -> dict[str, Estimate]:
         )
     both = [name for name in a.measures if name in b.measures]
     return {name: Estimate.of(b.measure(name) - a.measure(name)) for name in (*COUNTED, *both)}
-
-
-def manifest(settings: Settings, **told: Any) -> str:
-    """Write down what made a result, so that it can be made again."""
-    import taichi as ti
-
-    machine = {
-        "processor": processor(),
-        "threads": settings.threads,
-        "system": platform.platform(),
-        "python": platform.python_version(),
-    }
-    about = {
-        "tiswarm": __version__,
-        "taichi": ".".join(map(str, ti.__version__)),
-        "precision": settings.precision,
-        "machine": machine,
-    }
-    return json.dumps({**about, **told}, indent=2) + "\n"
-
-
-def processor() -> str:
-    """Name the processor as its maker does, or as Python knows it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
 
 
 def _json_number(value: float) -> float | None:

@@ -16,14 +16,12 @@ def check(scenario: "Scenario") -> None:
     for path, numbers in _vectors(scenario):
         if len(numbers) != dim:
             raise ScenarioError(f"{path}: {list(numbers)} has {len(numbers)} numbers, world.size has {dim}; write {dim}")
-    kind: registry.Kind
+    for side, role, catalogue, name in registry.roles(scenario):
+        able = registry.dimensions(catalogue, name)
+        if dim not in able and (side == "prey" or scenario.predators.count):
+            raise ScenarioError(f"{side}.{role}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
+    kind: registry.Side
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
-        where: registry.Kind
-        for key, where in (("strategy", kind), ("avoidance", "avoidance")):
-            name = getattr(agents, key)
-            able = registry.dimensions(where, name)
-            if dim not in able and (kind == "prey" or agents.count):
-                raise ScenarioError(f"{kind}.{key}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
         if agents.drive == "unicycle" and dim != 2:

@@ -12,6 +12,7 @@ from tiswarm.scenario import checks
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import Measure
 from tiswarm.strategies import registry
+from tiswarm.system.words import did_you_mean
 
 MOST_AGENTS = 4_000_000
 
@@ -183,11 +184,11 @@ class Agents(Part):
     )  # of the strategy and of the avoidance
 
 
-def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]:
+def _with_weights(agents: dict[str, Any], kind: registry.Side) -> dict[str, Any]:
     """Check both strategy names and fill in the weights that a scenario leaves at their defaults."""
     known: dict[str, float | str] = {}
     words: dict[str, tuple[Any, ...]] = {}
-    for key, where in (("strategy", kind), ("avoidance", "avoidance")):
+    for key, where in registry.catalogues(kind):
         name = agents.get(key)
         if not isinstance(name, str):
             continue  # pydantic says what is wrong
@@ -202,7 +203,7 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
     for key in given:
         if key not in known:
             chosen = f"strategy '{agents.get('strategy')}' with avoidance '{agents.get('avoidance')}'"
-            hint = registry.nearest(str(key), sorted(known)) if known else "they have none"
+            hint = did_you_mean(str(key), sorted(known)) if known else "they have none"
             raise ScenarioError(f"{kind}.weights.{key}: no weight of {chosen}; {hint}")
         if key in words and given[key] not in words[key]:
             hint = " or ".join(repr(word) for word in words[key])
@@ -323,10 +324,10 @@ class Scenario(Part):
     def numbers(self) -> dict[str, float]:
         """Map the path of each number to it: "prey.weights.evade", "target.position.0", ...; a choice is its place."""
         found = {path: float(value) for path, value in _leaves(_plain(self)) if _is_number(path, value)}
-        kind: registry.Kind
-        for kind, agents in (("prey", self.prey), ("predators", self.predators)):
-            words = registry.choices(kind, agents.strategy) | registry.choices("avoidance", agents.avoidance)
-            found |= {f"{kind}.weights.{key}": float(known.index(agents.weights[key])) for key, known in words.items()}
+        for side, _, catalogue, name in registry.roles(self):
+            weights = getattr(self, side).weights
+            words = registry.choices(catalogue, name)
+            found |= {f"{side}.weights.{key}": float(known.index(weights[key])) for key, known in words.items()}
         return found
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
@@ -381,21 +382,22 @@ def overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str,
                 raise ScenarioError(f"{path}: '{key}' holds a value, not a table")
         plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy's numbers and arrays
         place[_index(place, last, path) if isinstance(place, list) else last] = plain
+    kind: registry.Side
     for kind in ("prey", "predators"):
         if f"{kind}.strategy" in overrides or f"{kind}.avoidance" in overrides:
             _drop_stale_weights(out, kind, overrides)
     return out
 
 
-def _drop_stale_weights(table: dict[str, Any], kind: registry.Kind, overrides: Mapping[str, Any]) -> None:
+def _drop_stale_weights(table: dict[str, Any], kind: registry.Side, overrides: Mapping[str, Any]) -> None:
     agents = table.get(kind)
     if not isinstance(agents, dict):
         return  # the check of the whole scenario says what is wrong
     weights = agents.get("weights")
-    chosen = [agents.get("strategy", ""), agents.get("avoidance", "")]
-    known = [name for name, where in zip(chosen, (kind, "avoidance"), strict=True) if name in registry.names(where)]
-    if isinstance(weights, dict) and len(known) == 2 and f"{kind}.weights" not in overrides:
-        kept = registry.defaults(kind, chosen[0]) | registry.defaults("avoidance", chosen[1])
+    chosen = [(catalogue, agents.get(role, "")) for role, catalogue in registry.catalogues(kind)]
+    known = all(name in registry.names(catalogue) for catalogue, name in chosen)
+    if isinstance(weights, dict) and known and f"{kind}.weights" not in overrides:
+        kept = {key for catalogue, name in chosen for key in registry.defaults(catalogue, name)}
         agents["weights"] = {
             key: value for key, value in weights.items() if key in kept or f"{kind}.weights.{key}" in overrides
         }

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.records.results import manifest, write_text
+from tiswarm.records.manifest import manifest
 from tiswarm.simd.runtime import Settings
 from tiswarm.strategies import registry
 from tiswarm.studies.design import Cell
-from tiswarm.system.files import check_writable, replacing
+from tiswarm.system.files import check_writable, replacing, write_text
 
 MANIFEST = "manifest.json"
 
@@ -154,9 +154,7 @@ def code_hash(cells: Sequence[Cell]) -> str:
     files = {file for package in _OUTCOMES for file in (root / package).rglob("*.py") if file.parent not in behaviours}
     files |= {folder / "__init__.py" for folder in behaviours}
     for scenario in (cell.scenario for cell in cells):
-        chosen: list[tuple[registry.Kind, str]] = [("prey", scenario.prey.strategy), ("predators", scenario.predators.strategy)]
-        chosen += [("avoidance", scenario.prey.avoidance), ("avoidance", scenario.predators.avoidance)]
-        for kind, name in chosen:
+        for _, _, kind, name in registry.roles(scenario):
             files |= {_file(kind, part) for part in registry.parts(kind, name)}
     hashes = sorted(sha256(file.read_bytes()).hexdigest() for file in files)
     return sha256("".join(hashes).encode()).hexdigest()[:16]

@@ -16,6 +16,7 @@ from tiswarm.simd import philox, runtime
 from tiswarm.simd.runtime import LANES
 from tiswarm.strategies import registry
 from tiswarm.system.progress import reporting
+from tiswarm.system.words import did_you_mean
 
 CHUNK = 16_384
 """Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
@@ -228,7 +229,7 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
     arrays = {}
     for path, values in weights.items():
         if path not in known:
-            raise ScenarioError(f"weights: unknown key '{path}'; {registry.nearest(path, known)}")
+            raise ScenarioError(f"weights: unknown key '{path}'; {did_you_mean(path, known)}")
         if path not in settled:
             raise ScenarioError(f"weights: {path} is the same for all trials of a batch; set it in the scenario")
         array = np.asarray(values, np.float64)
