@@ -68,7 +68,7 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         return left
 
     @ti.func
-    def scatter(board: ti.template(), r, n, clusters, start, trial, tick, key_low, key_high):
+    def scatter(board: ti.template(), r, n, clusters, count, start, trial, tick, key_low, key_high):
         """Put centres on prey: the first on any, each further one on the best of a few drawn by their squared distance.
 
         Greedy k-means++ (Arthur, Vassilvitskii 2007, section 5, as scikit-learn has it). start: its number in the stream.
@@ -77,30 +77,34 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         for i in range(n):
             board[weight + i] = board[r + at.points + at.alive * n + i]
         tries = ti.select(clusters > 2.5, ti.select(clusters > 7.5, 4.0, 3.0), 2.0)
-        for c in range(ti.cast(clusters.max() + 0.5, ti.i32)):
+        most_tries = ti.cast(tries.max() + 0.5, ti.i32)
+        for c in range(count):
             chosen = [lanes(0.0) for _ in ti.static(range(dim))]
             least = lanes(BEYOND)
             attempts = 1
             if c > 0:
-                attempts = ti.cast(tries.max() + 0.5, ti.i32)
+                attempts = most_tries
             for attempt in range(attempts):
                 index = types.integer_lanes(ti.cast((start * most + c) * TRIES + attempt, ti.u32))
                 share, _, _, _ = uniform(key_low, key_high, trial, philox.CENTRES, index, tick)
                 there = prey_at(board, r, n, share)
-                left = left_by(board, r, n, there)
+                left = lanes(0.0)
+                if c > 0:
+                    left = left_by(board, r, n, there)
                 better = (left < least) & (ti.cast(attempt, real) < tries)
                 least = ti.select(better, left, least)
                 for k in ti.static(range(dim)):
                     chosen[k] = ti.select(better, there[k], chosen[k])
             for k in ti.static(range(dim)):
                 board[r + at.middle + c * dim + k] = chosen[k]
-            for i in range(n):
-                away = away_from(board, r, n, i, chosen)
-                nearest = ti.select(lanes(0.0) + ti.cast(c, real) < 0.5, BEYOND, board[weight + i])
-                board[weight + i] = board[r + at.points + at.alive * n + i] * smaller(dot(away, away), nearest)
+            if c < count - 1:
+                for i in range(n):
+                    away = away_from(board, r, n, i, chosen)
+                    nearest = ti.select(lanes(0.0) + ti.cast(c, real) < 0.5, BEYOND, board[weight + i])
+                    board[weight + i] = board[r + at.points + at.alive * n + i] * smaller(dot(away, away), nearest)
 
     @ti.func
-    def assign(board: ti.template(), r, n, clusters):
+    def assign(board: ti.template(), r, n, clusters, count):
         """Give each prey to its nearest centre; tell how many changed theirs, and the inertia, summed prey by prey.
 
         So partitions that differ in the order of their centres alone have one inertia, to the bit.
@@ -109,7 +113,7 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         changed, inertia = lanes(0.0), lanes(0.0)
         for i in range(n):
             nearest, own = lanes(BEYOND), lanes(0.0)
-            for c in range(ti.cast(clusters.max() + 0.5, ti.i32)):
+            for c in range(count):
                 away = away_from(board, r, n, i, middle_of(board, r, c))
                 distance2 = dot(away, away)
                 closer = (distance2 < nearest) & (ti.cast(c, real) < clusters - 0.5)
@@ -123,9 +127,9 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         return changed, inertia
 
     @ti.func
-    def average(board: ti.template(), r, n, clusters):
+    def average(board: ti.template(), r, n, count):
         """Put each centre at the mean of its prey; one that nobody is near stays."""
-        for c in range(ti.cast(clusters.max() + 0.5, ti.i32)):
+        for c in range(count):
             size = lanes(0.0)
             total = [lanes(0.0) for _ in ti.static(range(dim))]
             for i in range(n):
@@ -138,7 +142,7 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
                 board[row] = ti.select(size > 0.5, total[k] / larger(size, 1.0), board[row])
 
     @ti.func
-    def settle(board: ti.template(), r, n, clusters):
+    def settle(board: ti.template(), r, n, clusters, count):
         """Assign and average in turns until no prey changes its cluster; give the inertia. Settled lanes stay as they are."""
         for i in range(n):
             board[r + at.points + at.draft * n + i] = lanes(-2.0)
@@ -146,9 +150,10 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         rounds = 0
         while rounds < ROUNDS:
             rounds += 1
-            changed, inertia = assign(board, r, n, clusters)
-            average(board, r, n, clusters)
-            if not anywhere(changed > 0.5):
+            changed, inertia = assign(board, r, n, clusters, count)
+            if anywhere(changed > 0.5):
+                average(board, r, n, count)
+            else:
                 rounds = ROUNDS
         return inertia
 
@@ -159,6 +164,7 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
         clusters, wanted, asked: [lane]; asked: 1 where a fit is wanted; number: of whom it is for. As in scikit-learn the
         first of equally good starts counts, so that centres have the order in which its k-means++ drew them.
         """
+        count = ti.cast(ti.select(asked > 0.5, clusters, 1.0).max() + 0.5, ti.i32)  # the most of any lane
         unsettled = asked
         least = lanes(BEYOND)
         drawn = r + at.points + at.drawn * n
@@ -167,8 +173,8 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
             target = ti.select(clusters == ti.cast(k + 1, real), board[r + at.inertia + k], target)
         for start in range(STARTS):
             if anywhere(unsettled > 0.5):
-                scatter(board, r, n, clusters, number * STARTS + start, trial, tick, key_low, key_high)
-                found = settle(board, r, n, clusters)
+                scatter(board, r, n, clusters, count, number * STARTS + start, trial, tick, key_low, key_high)
+                found = settle(board, r, n, clusters, count)
                 better = (unsettled > 0.5) & (found < least)
                 least = ti.select(better, found, least)
                 for i in range(n):

@@ -35,26 +35,28 @@ def sub_swarms(position: np.ndarray, most: int) -> tuple[int, np.ndarray, np.nda
     return count, label, np.array(centres)
 
 
-def chased(position: np.ndarray, most: int, number: int, key: Sequence[int]) -> tuple[int, np.ndarray, np.ndarray]:
-    """Choose the prey that one predator chases, as the thesis's simulator does: by fits of its own, all of them drawn anew.
+def chased(position: np.ndarray, most: int, predators: int, key: Sequence[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Choose the prey that each predator chases, as the thesis's simulator does: by fits of its own, all of them drawn anew.
 
-    position: [prey, dim], m, NaN for those who are gone; number: the predator's, from 1; key: whole numbers to draw by.
+    position: [prey, dim], m, NaN for those who are gone; predators: how many; key: whole numbers to draw by.
 
-    Returns the count of sub-swarms, [prey] whether each is in centre `number` mod count, and that centre, [dim].
+    Returns [predator] how many sub-swarms each found, [predator, prey] whether it is in centre j mod that, j = 1, 2, ..., and
+    [predator, dim] that centre.
     """
     here = np.isfinite(position[:, 0])
     points = position[here].astype(np.float64)
-    mine = np.zeros(len(position), bool)
-    if not len(points):
-        return 1, mine, np.zeros(position.shape[1])
-    random = np.random.RandomState(np.random.SeedSequence(key).generate_state(4))
-    inertias = np.zeros(most)
-    for k in range(1, min(most, len(points)) + 1):
-        inertias[k - 1], _ = _fit(points, k, STARTS, random)
-    count = _knee(inertias)
-    _, label = _fit(points, count, STARTS, random)
-    mine[here] = label == number % count
-    return count, mine, position[mine].mean(axis=0)
+    count, mine = np.ones(predators, int), np.zeros((predators, len(position)), bool)
+    centre = np.zeros((predators, position.shape[1]))
+    for j in range(predators if len(points) else 0):
+        random = np.random.RandomState(np.random.SeedSequence([*key, j]).generate_state(4))
+        inertias = np.zeros(most)
+        for k in range(1, min(most, len(points)) + 1):
+            inertias[k - 1], _ = _fit(points, k, STARTS, random)
+        count[j] = _knee(inertias)
+        _, label = _fit(points, count[j], STARTS, random)
+        mine[j, here] = label == (j + 1) % count[j]
+        centre[j] = position[mine[j]].mean(axis=0)
+    return count, mine, centre
 
 
 def _fit(points: np.ndarray, clusters: int, starts: int, random: Any) -> tuple[float, np.ndarray]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
+import numpy as np
 import taichi as ti
 
 from tiswarm.simd.lanes import anywhere, dot, larger, minus, place, vector
@@ -64,12 +65,12 @@ class Strategy(Predator):
         board[at.points + at.label * prey_count :][:prey_count] = label
         if weights["labels"] == "kept":
             return
-        for j in range(len(memory["group"])):
-            fitted, mine, centre = reference.chased(position, most, j + 1, (*key, j))
-            memory["group"][j] = label[mine][0] + 1 if mine.any() else 1
-            memory["squad"][j] = (j + 1) % fitted + 1
-            for k in range(dim):
-                memory[f"chased_{'xyz'[k]}"][j] = centre[k]
+        predators = len(memory["group"])
+        found, mine, centre = reference.chased(position, most, predators, key)
+        memory["group"][:] = np.where(mine.any(axis=1), label[mine.argmax(axis=1)], 0) + 1
+        memory["squad"][:] = np.arange(1, predators + 1) % found + 1
+        for k in range(dim):
+            memory[f"chased_{'xyz'[k]}"][:] = centre[:, k]
 
     @staticmethod
     def survey(layout, types, see, uniform, part):
