@@ -12,14 +12,24 @@ sys.path.insert(0, str(Path(__file__).parent))
 import fits
 
 
-@pytest.mark.parametrize("prey", fits.PREY)
-def test_success_and_time_are_those_of_fits_by_every_predator(prey, f64):
+def _z(labels, prey):
+    """Give the differences of success and time to the file's, trial by trial, in standard errors."""
     arrived, ticks = np.load(fits.FILE)[prey].T
     assert len(ticks) == 300
-    ours = tiswarm.simulate(tiswarm.load("delft/cluster-10", {"prey.strategy": prey}), len(ticks))
-    for one, other in ((ours.arrived, arrived), (ours.ticks, ticks)):
-        difference = one - other.astype(float)
-        assert abs(difference.mean()) < 3 * difference.std(ddof=1) / np.sqrt(len(difference))
+    scenario = tiswarm.load("delft/cluster-10", {"prey.strategy": prey, "predators.weights.labels": labels})
+    ours = tiswarm.simulate(scenario, len(ticks))
+    differences = np.stack([ours.arrived - arrived, ours.ticks - ticks])
+    return differences.mean(axis=1) / (differences.std(axis=1, ddof=1) / np.sqrt(len(ticks)))
+
+
+@pytest.mark.parametrize("prey", fits.PREY)
+def test_success_and_time_are_those_of_fits_by_every_predator(prey, f64):
+    assert np.abs(_z("redrawn", prey)).max() < 3
+
+
+def test_kept_labels_are_another_rule(f64):
+    success, _ = _z("kept", "explode")
+    assert success < -5
 
 
 def test_the_trials_of_the_file_are_what_its_script_gives():
