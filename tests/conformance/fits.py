@@ -86,7 +86,7 @@ def trials(prey, numbers):
         return 1, np.zeros(len(position), int), np.zeros((1, 2))
 
     found = []
-    with patch("tiswarm.strategies.clustering.reference.chased", chased), patch("tiswarm.strategies.clustering.reference.sub_swarms", nowhere):
+    with patch.multiple("tiswarm.strategies.clustering.reference", chased=chased, sub_swarms=nowhere):
         for number in numbers:
             single = Single(scenario, 0, number)
             while not single.ended:
