@@ -24,6 +24,7 @@ def check(scenario: "Scenario") -> None:
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
+        _check_needed(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
@@ -49,6 +50,15 @@ def _check_whole(kind: registry.Kind, agents: "Agents") -> None:
             value = float(agents.weights[key])
             if value != round(value) or not least <= value <= most:
                 told = f"{value:g} is not allowed; use a whole number from {least} to {most}"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _check_needed(kind: registry.Kind, agents: Any) -> None:
+    """Refuse weights that contradict a word which was chosen."""
+    for part in registry.parts(kind, agents.strategy):
+        for key, (other, word) in getattr(registry.load(kind, part), "needed", {}).items():
+            if agents.weights[key] and agents.weights[other] != word:
+                told = f"needs {kind}.weights.{other} = '{word}', not '{agents.weights[other]}'; set it, or {key} to 0"
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 

@@ -44,6 +44,11 @@ class Design(Part):
     combine: Combine = "grid"
     samples: Whole | None = None  # cells of a Latin hypercube
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """List the keys of the axes."""
+        return tuple(key for axis in self.axes for key in axis.keys)
+
 
 class Table(Design):
     """One table; `key` and `values` are short for a single axis."""
@@ -125,7 +130,7 @@ class Study(Design):
 class Cell:
     """One scenario of a study, and the seed that all its trials share.
 
-    point: key of the scenario -> its value, for each key of the table's axes.
+    point: key of the scenario -> its value, for each key of the table's axes that the cell sets.
     """
 
     number: int

@@ -35,6 +35,7 @@ class Single:
         surveying = self._blocks.layout.parts("predators", "strategy", "survey")
         self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
+        self._trial = trial
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
         self._results, self._measured = self._blocks.outcomes(1)
@@ -71,8 +72,10 @@ class Single:
         position[~here] = np.nan
         for each, kept in zip(arrays, before, strict=True):
             each[...] = kept
+        predators, key = self._agents("predators"), (self.seed, self._trial, self.ticks)
         for part in self._live:
-            part.strategy.consult(self._board(part), position, self.scenario.predators.weights)
+            memory = {name: predators[row] for name, row in zip(part.memory, part.memory_rows, strict=True)}
+            part.strategy.consult(self._board(part), memory, position, self.scenario.predators.weights, key)
 
     def _board(self, part: Any) -> np.ndarray:
         """Give a view of what a predator strategy's survey wrote in lane 0: [row]."""
