@@ -53,7 +53,7 @@ def _check_whole(kind: registry.Kind, agents: "Agents") -> None:
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 
-def _check_needed(kind: registry.Kind, agents: Any) -> None:
+def _check_needed(kind: registry.Kind, agents: "Agents") -> None:
     """Refuse weights that contradict a word which was chosen."""
     for part in registry.parts(kind, agents.strategy):
         for key, (other, word) in getattr(registry.load(kind, part), "needed", {}).items():
