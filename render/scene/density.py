@@ -5,8 +5,8 @@ import numpy as np
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW, cloud, colour
 from render.scene.camera import Camera, Orbit
-from render.scene.snapshot import Now, images
-from render.scene.trajectories import Motion
+from render.scene.snapshot import Snapshot, images
+from render.scene.trajectories import Trajectories
 from render.theme import Theme
 
 BLUR = np.array([1, 8, 28, 56, 70, 56, 28, 8, 1], np.float32) / 256
@@ -40,7 +40,7 @@ AWAY = 0.5
 class Density:
     """Clouds of agents: over the ground of flat worlds, between the eye and the walls of 3-D ones."""
 
-    def __init__(self, paths: Motion, theme: Theme, lone: np.ndarray, atlas: Atlas):
+    def __init__(self, paths: Trajectories, theme: Theme, lone: np.ndarray, atlas: Atlas):
         """Prepare. lone: [agent], who is drawn one by one; the others make the cloud, or all when all are. atlas: takes it."""
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
@@ -53,7 +53,7 @@ class Density:
         self._texels: list[np.ndarray] = []
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
 
-    def drawn(self, here: Now, camera: Camera, windows: np.ndarray) -> np.ndarray:
+    def drawn(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw the clouds of all subjects. windows: [subject, 4], where each is shown [px]."""
         rows = [NONE]
         self._texels.clear()

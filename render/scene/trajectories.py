@@ -30,7 +30,7 @@ class _Part:
     agents: slice
 
 
-class Motion:
+class Trajectories:
     """The paths of all agents of one subject or of several, prey first, continuous in time.
 
     Times are ticks since the start, lengths metres. Ticks are loaded when they are needed, and forgotten when no trail
