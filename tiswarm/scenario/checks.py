@@ -7,7 +7,8 @@ from tiswarm.scenario.measures import SWEPT
 from tiswarm.strategies import registry
 
 if TYPE_CHECKING:  # the model asks for these checks
-    from tiswarm.scenario.model import Agents, Box, Scenario
+    from tiswarm.scenario.model import Agents, Scenario
+    from tiswarm.scenario.parts import Box
 
 
 def check(scenario: "Scenario") -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tiswarm.scenario.model import LIMIT
+from tiswarm.scenario.parts import LIMIT
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.model import Part, Real
+from tiswarm.scenario.parts import Part, Real
 
 Whole = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 

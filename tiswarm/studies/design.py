@@ -11,7 +11,8 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import COUNTED, MEASURED
-from tiswarm.scenario.model import Part, Positive, Scenario
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.parts import Part, Positive
 from tiswarm.scenario.presets import load, preset_folder, read_toml, study_names
 from tiswarm.studies.axes import Axis, Combine, Whole, label, points
 from tiswarm.system.words import did_you_mean

@@ -11,7 +11,8 @@ from tiswarm.engine.swarms import simulation
 from tiswarm.engine.trials import kernel
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.model import LIMIT, Scenario
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.parts import LIMIT
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.runtime import LANES
 from tiswarm.strategies import registry
