@@ -1,15 +1,15 @@
-"""Integrator: from a course to the next state: drives, the step itself, edges of the world, and prey that bounce."""
+"""Integrator: from a course to the next state: drives, the step itself, and edges of the world."""
 
 from types import SimpleNamespace
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
-from tiswarm.simd.lanes import anywhere, cosine, dot, larger, motion, place, rates, safe, sine, smaller, unit
+from tiswarm.simd.lanes import cosine, dot, larger, place, safe, sine, smaller, unit
 
 
-def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
-    """Build wall_turn, bounce, and for each kind limited, drift, face, advance and commit, one agent each."""
+def build(layout: Layout) -> SimpleNamespace:
+    """Build wall_turn, and for each kind limited, drift, face, advance and commit, one agent each."""
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
@@ -109,30 +109,4 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
 
         return SimpleNamespace(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
 
-    prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
-
-    @ti.func
-    def bounce(prey: ti.template(), numbers: ti.template(), b, count):
-        """Let prey that touch and approach each other exchange their velocities along the line of centres.
-
-        Pairs follow each other in a fixed order; each conserves momentum and kinetic energy, as equal masses do.
-        """
-        reach = 2.0 * numbers[b * width + at.prey.radius]
-        for i in range(count):
-            a = (b * count + i) * prey_rows
-            for j in range(i + 1, count):
-                c = (b * count + j) * prey_rows
-                me = prey_mate(prey, a, i)
-                mate = prey_mate(prey, c, j)
-                away = see.gap(me, mate, numbers, b)
-                touch = (dot(away, away) < reach * reach) & (me.alive * mate.alive > 0.5)
-                if anywhere(touch):
-                    line = unit(away)
-                    apart = [mine - other for mine, other in ti.static(zip(rates(me), rates(mate), strict=True))]
-                    closing = dot(apart, line)
-                    given = ti.select(touch & (closing < 0.0), closing, 0.0)
-                    for k in ti.static(range(dim)):
-                        prey[a + rows.motion[k]] = motion(me)[k] - given * line[k]
-                        prey[c + rows.motion[k]] = motion(mate)[k] + given * line[k]
-
-    return SimpleNamespace(wall_turn=wall_turn, bounce=bounce, prey=kind_of("prey"), predators=kind_of("predators"))
+    return SimpleNamespace(wall_turn=wall_turn, prey=kind_of("prey"), predators=kind_of("predators"))
