@@ -1,4 +1,4 @@
-"""Single trials recorded from the thesis author's simulator in float64 (golden/, see spec of the files in golden/README.md)."""
+"""Single trials recorded from the thesis author's simulator in float64 (golden/, named by study, algorithm and seed)."""
 
 from pathlib import Path
 

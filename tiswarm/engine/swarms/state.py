@@ -124,21 +124,24 @@ class Crowds:
             for _ in range(ticks):
                 self._tick()
             return
-        arrays = (*self._prey.arrays, grid.rows, *self._tools)
+        arrays = (*self._prey.arrays, grid.rows, *self._tools, self._means, self._clock)
+        self._clock[kernels.AGE] = self.age
         if grid.total <= SMALL:
             self._launch("run_plain", *arrays, ticks)
+            self.age += ticks
         else:
             for _ in range(ticks):
                 self._launch("move_plain", *arrays)
                 grid.sort()
-        self.age += ticks
+                self.age += 1
+                self._clock[kernels.AGE] = self.age
         self._judge(1)
 
     @property
     def _plain(self) -> bool:
-        """Tell whether prey meet nobody but each other and remember nothing."""
-        verlet = self._layout.structure.frame.verlet
-        return not (self._mortal or self._prey.kept or verlet or self._kernels.averages)
+        """Tell whether prey meet nobody but each other, look for nobody else and remember nothing."""
+        own, verlet = self._kernels, self._layout.structure.frame.verlet
+        return not (self._mortal or self._prey.kept or verlet or own.averages or own.ranks or own.scans)
 
     def _tick(self) -> None:
         """Let the prey move, then the predators, then judge: as kernel.py does."""
@@ -266,6 +269,7 @@ def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleName
             "observe" in p.own for p in layout.parts("predators", "strategy")
         )
         strategies = layout.parts("prey", "strategy")
+        own.scans = any({"blocks", "look"} & set(p.own) for p in layout.parts("prey", "avoidance"))
         own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
         if mortal:
             judging = contacts.build(layout, types, see, senses, near)
