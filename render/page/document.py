@@ -99,7 +99,9 @@ def document(parts: Sequence[tuple[dict[str, Any], str]], title: str, gallery: b
         f'<script type="application/octet-stream" class="numbers">{numbers}</script>'
         for header, numbers in parts
     )
-    policy = f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; base-uri 'none'; form-action 'none'"
+    policy = (
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; base-uri 'none'; form-action 'none'"
+    )
     body = _read("page.html")
     for key, value in (
         ("POLICY", policy),

@@ -61,7 +61,7 @@ class Sections:
         self._add(name, values.astype(np.dtype("<f4")).view(np.dtype("<u4")), 1, kind="float")
 
     def coarse(self, name: str, values: np.ndarray, low: np.ndarray, high: np.ndarray, order: int) -> None:
-        """Add numbers [tick, agent, dim] as 16 bits between low and high [dim]; what is NaN takes no room and has no meaning."""
+        """Add numbers [tick, agent, dim] as 16 bits between low and high [dim]; NaN has no meaning in it."""
         step = np.where(high > low, (high - low) / COARSE, 1.0)
         known = np.isfinite(values)
         whole = np.round((np.where(known, values, low) - low) / step).astype(np.int64)
@@ -71,9 +71,7 @@ class Sections:
             if gone.any():
                 promised = whole[tick - 1] * 2 - whole[max(tick - 2, 0)] if order == 2 else whole[tick - 1]
                 whole[tick] = np.where(gone, promised, whole[tick])
-        self._add(
-            name, (whole % 65_536).astype(np.dtype("<u2")), order, kind="scaled", low=low.tolist(), step=step.tolist()
-        )
+        self._add(name, (whole % 65_536).astype(np.dtype("<u2")), order, kind="scaled", low=low.tolist(), step=step.tolist())
 
     def packed(self) -> str:
         """Give all sections, compressed, as base64."""
@@ -98,9 +96,7 @@ def packed(recording: Recording, *, exact: bool = False, field: Field | None = N
     return header, sections.packed()
 
 
-def _swarm(
-    sections: Sections, kind: str, swarm: Swarm, box: tuple[np.ndarray, np.ndarray], exact: bool
-) -> dict[str, Any]:
+def _swarm(sections: Sections, kind: str, swarm: Swarm, box: tuple[np.ndarray, np.ndarray], exact: bool) -> dict[str, Any]:
     """Add the path of one kind of agents; give what else is to be said of them."""
     names, codes = np.unique(swarm.state, return_inverse=True)
     sections.coded(f"{kind}.state", codes.reshape(swarm.state.shape))

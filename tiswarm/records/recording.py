@@ -149,4 +149,4 @@ def _swarm(stored: Mapping[str, np.ndarray], kind: str) -> Swarm:
     """Read the path of one kind of agents."""
     start = f"{kind}_term_"
     terms = {name.removeprefix(start): stored[name] for name in stored if name.startswith(start)}
-    return Swarm(*(stored[f"{kind}_{name}"] for name in _ARRAYS), terms)
+    return Swarm(**{name: stored[f"{kind}_{name}"] for name in _ARRAYS}, terms=terms)
