@@ -1,9 +1,10 @@
 /** Agents: prey as drops, predators as darts, their states on them. */
 
 import { Orbit } from "./camera.js";
-import { Recording } from "./decode.js";
 import { drawBall } from "./ground.js";
 import { colour, mixed } from "./shapes.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /** @typedef {import("./ground.js").View} View @typedef {import("./shapes.js").Colour} Colour */
 
@@ -13,7 +14,10 @@ const SMALLEST = 2.5;
 const READABLE = 5.2,
   CROWD = 60;
 
-/** Give how large an agent is on the screen, as it would be at the camera's pivot [px]. @param {View} view @param {number} agent */
+/**
+ * Give how large an agent is on the screen, as it would be at the camera's pivot [px].
+ * @param {View} view @param {number} agent
+ */
 export function reachOf({ recording, lens, unit }, agent) {
   const kind = recording.kind(agent);
   const least = Math.max(READABLE * unit * Math.min(1, Math.sqrt(CROWD / Math.max(kind.count, 1))), SMALLEST);
@@ -104,7 +108,10 @@ function stateOf({ recording, paths, time }, agent) {
   return recording.states[recording.state[paths.tick(time) * recording.count + agent]];
 }
 
-/** Draw a predator, with a dot in the colour of the cluster that it chases. @param {View} view @param {number} agent @param {number} reach @param {Colour} hue */
+/**
+ * Draw a predator, with a dot in the colour of the cluster that it chases.
+ * @param {View} view @param {number} agent @param {number} reach @param {Colour} hue
+ */
 function dart(view, agent, reach, hue) {
   const { recording, paths, time, lens, above: shapes, theme } = view;
   const { x, y, hx, hy } = lens;
@@ -125,7 +132,10 @@ export function pixelOf({ recording, paths, lens }, agent) {
   return [lens.x, lens.y];
 }
 
-/** Count what became of the prey up to a time. @param {Recording} recording @param {number} time @returns {number[]} as FATES */
+/**
+ * Count what became of the prey up to a time.
+ * @param {Recording} recording @param {number} time @returns {number[]} as FATES
+ */
 export function tally(recording, time) {
   const counts = [0, 0, 0, 0];
   for (let agent = 0; agent < recording.prey; agent++) counts[recording.end[agent] <= time ? recording.fate[agent] : 0] += 1;

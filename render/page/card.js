@@ -1,8 +1,10 @@
 /** Card: what is known of one agent at one tick, and what each term adds to its velocity. */
 
-import { FATES, Recording } from "./decode.js";
+import { FATES } from "./decode.js";
 import { neighbours, termsOf } from "./overlays.js";
 import { number } from "./plots.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /** @param {ArrayLike<number>} way @param {number} digits */
 function vector(way, digits) {

@@ -1,7 +1,7 @@
 /** Controls: buttons, the scrub bar with its marks, switches and menus. */
 
 import { tally } from "./agents.js";
-import { ARRIVED, CAPTURED, CRASHED } from "./decode.js";
+import { CAPTURED, CRASHED, FATES } from "./decode.js";
 import { SPEEDS } from "./clock.js";
 
 /** @template {HTMLElement} T @param {string} id @param {new () => T} kind @returns {T} */
@@ -54,7 +54,7 @@ export class Controls {
     }
     const place = part("switches", HTMLElement);
     for (const [name, words] of SWITCHES) {
-      if (name === "field" && !scenes.some((scene) => scene.recording.field.length)) continue;
+      if (name === "field" && !scenes.some(({ recording: each }) => each.field.length)) continue;
       if (name === "coverage" && recording.dim > 2) continue;
       const label = document.createElement("label");
       const box = document.createElement("input");
@@ -197,8 +197,7 @@ export class Controls {
     const shares = clock.last ? time / clock.last : 1;
     this.scrub.style.setProperty("--done", `${100 * shares}%`);
     const counts = stage.scenes.map(({ recording }) => tally(recording, clock.time));
-    const name = ["alive", "arrived", "captured", "crashed"];
-    name.forEach((each, fate) => {
+    FATES.forEach((_, fate) => {
       const cell = /** @type {HTMLElement} */ (this.counts.children[fate]);
       const number = /** @type {HTMLElement} */ (cell.firstElementChild);
       const said = counts.map((count) => count[fate]).join(" | ");
@@ -214,14 +213,13 @@ export class Controls {
     if (!width || !height) return;
     [marks.width, marks.height] = [width, height];
     const pen = /** @type {CanvasRenderingContext2D} */ (marks.getContext("2d"));
-    const hues = { [ARRIVED]: "arrived", [CAPTURED]: "captured", [CRASHED]: "crashed" };
     const half = 3 * ratio;
     for (const { recording } of stage.scenes) {
       for (let agent = 0; agent < recording.prey; agent++) {
         if (!(recording.end[agent] <= recording.ticks)) continue;
         const x = half + (recording.end[agent] / Math.max(clock.last, 1)) * (width - 2 * half);
         const fate = recording.fate[agent];
-        pen.fillStyle = pen.strokeStyle = stage.palette[hues[fate] ?? "line"];
+        pen.fillStyle = pen.strokeStyle = stage.palette[FATES[fate]];
         this._mark(pen, fate, x, height / 2, half);
       }
     }

@@ -44,6 +44,8 @@ export class Recording {
     this.terms = new Map();
     /** @type {Map<string, Float32Array>} */
     this.measures = new Map();
+    /** Points and arrows of the avoidance's field, four numbers each. */
+    this.field = header.sections.field ? values(bytes, header.sections.field) : new Float32Array(0);
     this._read(bytes);
   }
 
@@ -66,8 +68,6 @@ export class Recording {
       }
     }
     for (const name of this.header.measures) this.measures.set(name, values(bytes, sections[`measure.${name}`]));
-    /** Points and arrows of the avoidance's field, four numbers each. */
-    this.field = sections.field ? values(bytes, sections.field) : new Float32Array(0);
   }
 
   /**

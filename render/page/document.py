@@ -35,6 +35,7 @@ MODULES = (
     "plots",
     "card",
     "clock",
+    "pointers",
     "stage",
     "controls",
     "keys",

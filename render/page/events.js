@@ -9,7 +9,10 @@ import { colour } from "./shapes.js";
 /** How long a death or an arrival shines [ticks]: 0.7 s of a film. */
 const FLASH = 7;
 
-/** Mark where prey died: a cross for a crash, a ring for a capture; let the target's ring swell for each arrival. @param {View} view */
+/**
+ * Mark where prey died: a cross for a crash, a ring for a capture; let the target's ring swell for each arrival.
+ * @param {View} view
+ */
 export function drawMarks(view) {
   const { recording, time, below: shapes, theme, unit } = view;
   for (let agent = 0; agent < recording.prey; agent++) {
@@ -40,7 +43,10 @@ function pulse({ recording, lens, below: shapes, theme, unit }, phase) {
   shapes.disc(lens.x, lens.y, radius * 0.8, colour(theme.arrived), 0.35 * (1 - phase) ** 2, radius * 0.6);
 }
 
-/** Flash where agents die: two rings for a capture, a star of sparks for a crash; a soft glow where one arrives. @param {View} view */
+/**
+ * Flash where agents die: two rings for a capture, a star of sparks for a crash; a soft glow where one arrives.
+ * @param {View} view
+ */
 export function drawFlashes(view) {
   const { recording, time, above: shapes, theme, unit } = view;
   for (let agent = 0; agent < recording.count; agent++) {

@@ -21,7 +21,10 @@ export class FlatPainter {
     this.pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { alpha: false }));
   }
 
-  /** Draw scenes, whose layers are filled. @param {import("./scene.js").Scene[]} scenes @param {number[]} backdrop linear light */
+  /**
+   * Draw scenes, whose layers are filled.
+   * @param {import("./scene.js").Scene[]} scenes @param {number[]} backdrop linear light
+   */
   paint(scenes, backdrop) {
     const { pen } = this;
     pen.setTransform(1, 0, 0, 1, 0, 0);

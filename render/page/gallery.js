@@ -1,10 +1,16 @@
 /** Gallery: many recordings at a glance, each a click away. */
 
 import { tally } from "./agents.js";
-import { FATES, Recording } from "./decode.js";
+import { FATES } from "./decode.js";
 import { FlatPainter } from "./flat.js";
 import { Scene } from "./scene.js";
 import { colour } from "./shapes.js";
+import { WebGlPainter } from "./webgl.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
+
+/** Size of posters [px]. */
+const POSTER = [640, 360];
 
 /** Say how a recording came out. @param {Recording} recording */
 export function outcome(recording) {
@@ -21,15 +27,17 @@ function liveliest({ end, prey, ticks }) {
 }
 
 /**
- * Draw a recording's poster.
- * @param {HTMLCanvasElement} canvas @param {Recording} recording @param {import("./shapes.js").Palette} theme
+ * Draw a recording's poster, on the canvas that all posters are drawn on, and copy it.
+ * @param {HTMLCanvasElement} poster @param {WebGlPainter | FlatPainter} painter
+ * @param {Recording} recording @param {import("./shapes.js").Palette} theme
  */
-function poster(canvas, recording, theme) {
+function drawPoster(poster, painter, recording, theme) {
   const scene = new Scene(recording);
-  scene.rect = { x: 0, y: 0, width: canvas.width, height: canvas.height };
-  const look = { theme, unit: canvas.width / 700, switches: new Set(["trails"]), looked: -1, hues: [] };
+  scene.rect = { x: 0, y: 0, width: poster.width, height: poster.height };
+  const look = { theme, unit: poster.width / 700, switches: new Set(["trails"]), looked: -1, hues: [] };
   scene.frame(liveliest(recording), look);
-  new FlatPainter(canvas).paint([scene], colour(theme.backdrop));
+  painter.paint([scene], colour(theme.backdrop));
+  poster.getContext("2d")?.drawImage(painter.canvas, 0, 0);
 }
 
 /**
@@ -39,11 +47,14 @@ function poster(canvas, recording, theme) {
  */
 export async function fillGallery(place, shelf, theme) {
   place.replaceChildren();
+  const easel = document.createElement("canvas");
+  [easel.width, easel.height] = POSTER;
+  const painter = WebGlPainter.on(easel) ?? new FlatPainter(easel);
   for (let n = 0; n < shelf.count; n++) {
     const link = document.createElement("a");
     link.href = `#recording=${n + 1}`;
     const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [640, 360];
+    [canvas.width, canvas.height] = POSTER;
     canvas.setAttribute("aria-hidden", "true");
     const [title, words] = [document.createElement("strong"), document.createElement("span")];
     link.append(canvas, title, words);
@@ -51,7 +62,7 @@ export async function fillGallery(place, shelf, theme) {
     const recording = await shelf.read(n);
     title.textContent = recording.header.label || recording.header.title;
     words.textContent = outcome(recording);
-    poster(canvas, recording, theme);
+    drawPoster(canvas, painter, recording, theme);
     await new Promise((resolve) => setTimeout(resolve));
   }
 }

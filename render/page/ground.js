@@ -1,8 +1,11 @@
 /** Ground: what stands still: floor, grid, areas, edges, target and obstacles. */
 
-import { Flat, Orbit } from "./camera.js";
-import { Recording } from "./decode.js";
+import { Orbit } from "./camera.js";
 import { colour, mixed, Shapes } from "./shapes.js";
+
+/** @typedef {import("./camera.js").Flat} Flat */
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /**
  * What is drawn, and how: a frame in the making.
@@ -41,7 +44,10 @@ export function drawGround(view) {
   for (const [x, y, radius] of header.obstacles) pebble(view, x, y, radius);
 }
 
-/** Name the colour of an area, as films do. @param {string} label @param {import("./shapes.js").Palette} theme @returns {string} */
+/**
+ * Name the colour of an area, as films do.
+ * @param {string} label @param {import("./shapes.js").Palette} theme @returns {string}
+ */
 export function areaHue(label, theme) {
   const words = label.toLowerCase();
   return theme[words.includes("danger") ? "danger" : words.includes("safe") ? "safe" : "line"];
@@ -106,7 +112,10 @@ function target({ recording, lens, below: shapes, theme, unit }) {
   shapes.disc(x, y, Math.max(radius * 0.16, 2 * unit), hue, 0.95);
 }
 
-/** Shade an obstacle like a pebble lit from the upper left. @param {View} view @param {number} mx @param {number} my @param {number} radius */
+/**
+ * Shade an obstacle like a pebble lit from the upper left.
+ * @param {View} view @param {number} mx @param {number} my @param {number} radius
+ */
 function pebble({ lens, below: shapes, theme }, mx, my, radius) {
   lens.place(mx, my);
   const { x, y } = lens;
@@ -117,10 +126,14 @@ function pebble({ lens, below: shapes, theme }, mx, my, radius) {
   shapes.disc(x - r * 0.3, y - r * 0.3, r * 0.3, colour(theme.obstacle_light), 0.75, Math.max(r * 0.7, 1));
 }
 
-/** Draw the floor of a 3-D world, what stands on it, and the twelve edges of its room. @param {View} view @param {Orbit} lens */
+/**
+ * Draw the floor of a 3-D world, what stands on it, and the twelve edges of its room.
+ * @param {View} view @param {Orbit} lens
+ */
 function room(view, lens) {
   const { recording, below: shapes, theme, unit } = view;
   const { size, heights, target: given } = recording.header;
+  /** @type {number[][]} */
   const corners = [];
   for (let n = 0; n < 8; n++) {
     lens.place(n & 1 ? size[0] : 0, n & 2 ? size[1] : 0, heights[n & 4 ? 1 : 0]);
@@ -151,7 +164,10 @@ function room(view, lens) {
   if (given) target(view);
 }
 
-/** Draw an obstacle of a 3-D world as a ball lit from the upper left. @param {View} view @param {Orbit} lens @param {number[]} ball */
+/**
+ * Draw an obstacle of a 3-D world as a ball lit from the upper left.
+ * @param {View} view @param {Orbit} lens @param {number[]} ball
+ */
 export function drawBall({ above: shapes, theme }, lens, [mx, my, mz, radius]) {
   lens.place(mx, my, mz);
   const { x, y } = lens;

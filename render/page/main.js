@@ -2,14 +2,19 @@
 
 import { Clock } from "./clock.js";
 import { Controls, part } from "./controls.js";
-import { decoded, Recording } from "./decode.js";
+import { decoded } from "./decode.js";
 import { fillGallery } from "./gallery.js";
 import { listenToKeys } from "./keys.js";
 import { Plots } from "./plots.js";
 import { Scene } from "./scene.js";
 import { Stage } from "./stage.js";
 
-/** @typedef {{version: string, title: string, view: "player" | "gallery", themes: Record<string, import("./shapes.js").Palette>}} Settings */
+/** @typedef {import("./decode.js").Recording} Recording */
+
+/**
+ * @typedef {{version: string, title: string, view: "player" | "gallery",
+ *   themes: Record<string, import("./shapes.js").Palette>}} Settings
+ */
 
 /** The recordings that lie in the page, read when they are asked for. */
 class Shelf {
@@ -34,7 +39,7 @@ function wanted() {
 /** Wire a player for some recordings. @param {Recording[]} recordings @param {Settings} settings @param {string} theme */
 function play(recordings, settings, theme) {
   const clock = new Clock(Math.max(...recordings.map(({ ticks }) => ticks)));
-  const scenes = recordings.map((recording) => new Scene(recording));
+  const scenes = recordings.map((recording) => new Scene(recording, recordings));
   const parts = {
     canvas: part("stage", HTMLCanvasElement),
     labels: part("labels", HTMLElement),
@@ -92,7 +97,8 @@ async function main() {
     part("title", HTMLElement).textContent = settings.title;
     part("subtitle", HTMLElement).textContent = `${shelf.count} recordings`;
     const switched = part("theme", HTMLButtonElement);
-    const fill = () => fillGallery(part("gallery", HTMLElement), shelf, settings.themes[document.documentElement.dataset.theme ?? theme]);
+    const chosen = () => settings.themes[document.documentElement.dataset.theme ?? theme];
+    const fill = () => fillGallery(part("gallery", HTMLElement), shelf, chosen());
     switched.addEventListener("click", () => {
       document.documentElement.dataset.theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
       fill();

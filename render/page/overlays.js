@@ -1,9 +1,12 @@
-/** Overlays: what agents see, whom they flock with, how the avoidance pushes, which ground is swept, why one moves as it does. */
+/**
+ * Overlays: what agents see, whom they flock with, how the avoidance pushes, which ground is swept, why one moves as it does.
+ */
 
 import { hueOf, pixelOf, reachOf } from "./agents.js";
 import { Orbit } from "./camera.js";
-import { Recording } from "./decode.js";
 import { colour, mixed } from "./shapes.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /** @typedef {import("./ground.js").View} View @typedef {import("./shapes.js").Colour} Colour */
 
@@ -42,7 +45,10 @@ function sight(view, agent, alpha) {
   below.ring(x, y, recording.kind(agent).perception * lens.scale * lens.near, 1.1 * unit, hueOf(view, agent), alpha);
 }
 
-/** Give the mates that an agent has within perception, in its own sub-swarm. @param {Recording} r @param {number} agent @param {number} tick */
+/**
+ * Give the mates that an agent has within perception, in its own sub-swarm.
+ * @param {Recording} r @param {number} agent @param {number} tick
+ */
 export function neighbours(r, agent, tick) {
   const { dim } = r;
   const row = tick * r.count;
@@ -70,7 +76,8 @@ function links(view) {
   for (let a = 0; a < r.prey; a++) {
     if (!paths.seen(a, time)) continue;
     for (const b of neighbours(r, a, paths.tick(time))) {
-      const step = Array.from({ length: r.dim }, (_, n) => r.shortest(paths.spot[b * r.dim + n] - paths.spot[a * r.dim + n], n));
+      const gap = (/** @type {number} */ n) => paths.spot[b * r.dim + n] - paths.spot[a * r.dim + n];
+      const step = Array.from({ length: r.dim }, (_, n) => r.shortest(gap(n), n));
       // Each of the two draws its own half of the way: across an edge of a periodic world it is seen on both sides.
       const half = step.map((way, n) => paths.spot[a * r.dim + n] + way / 2);
       const [x, y] = pixelOf(view, a);
@@ -125,12 +132,16 @@ function arrow(shapes, ax, ay, bx, by, half, hue, alpha = 1) {
 export function termsOf(r, agent, tick) {
   if (!r.kind(agent).terms.length || !(tick + 1 < Math.min(r.end[agent], r.ticks + 1))) return null;
   const at = (tick * r.count + agent) * r.dim;
-  const parts = r.kind(agent).terms.map((name) => ({ name, way: Array.from(r.terms.get(name)?.subarray(at, at + r.dim) ?? []) }));
+  const way = (/** @type {string} */ name) => Array.from(r.terms.get(name)?.subarray(at, at + r.dim) ?? []);
+  const parts = r.kind(agent).terms.map((name) => ({ name, way: way(name) }));
   const sum = Array.from({ length: r.dim }, (_, axis) => parts.reduce((total, { way }) => total + way[axis], 0));
   return { parts, sum };
 }
 
-/** Show what is looked at: rings, perception, and arrows of terms, tip to tail. @param {View} view @param {number} agent @param {string[]} hues */
+/**
+ * Show what is looked at: rings, perception, and arrows of terms, tip to tail.
+ * @param {View} view @param {number} agent @param {string[]} hues
+ */
 export function drawLooked(view, agent, hues) {
   const { recording: r, paths, time, lens, above, theme, unit } = view;
   const [x, y] = pixelOf(view, agent);
@@ -199,8 +210,10 @@ export class Coverage {
   /** @param {number} x @param {number} y @param {number} reach @param {number} when */
   _disc(x, y, reach, when) {
     const { edge } = this;
-    const [low, high] = [Math.max(Math.floor((y - reach) / edge), 0), Math.min(Math.floor((y + reach) / edge), this.up - 1)];
-    const [left, right] = [Math.max(Math.floor((x - reach) / edge), 0), Math.min(Math.floor((x + reach) / edge), this.across - 1)];
+    const first = (/** @type {number} */ place) => Math.max(Math.floor((place - reach) / edge), 0);
+    const last = (/** @type {number} */ place, /** @type {number} */ count) =>
+      Math.min(Math.floor((place + reach) / edge), count - 1);
+    const [low, high, left, right] = [first(y), last(y, this.up), first(x), last(x, this.across)];
     for (let row = low; row <= high; row++) {
       for (let column = left; column <= right; column++) {
         const cell = row * this.across + column;
@@ -214,7 +227,8 @@ export class Coverage {
   draw({ lens, below, theme, time }) {
     if (lens.deep) return;
     const hue = colour(theme.arrived);
-    const cell = (/** @type {number} */ column, /** @type {number} */ row, /** @type {number} */ run, /** @type {number} */ alpha) => {
+    /** @type {(column: number, row: number, run: number, alpha: number) => void} */
+    const cell = (column, row, run, alpha) => {
       lens.place(column * this.edge, (row + 1) * this.edge);
       const [x0, y0] = [Math.round(lens.x), Math.round(lens.y)];
       lens.place((column + run) * this.edge, row * this.edge);

@@ -1,6 +1,8 @@
 /** Paths: where agents are between ticks, on the cubic Hermite curves that the films draw. */
 
-import { CAPTURED, Recording } from "./decode.js";
+import { CAPTURED } from "./decode.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /** The paths of all agents of a recording, continuous in time. Times are ticks since the start, lengths metres. */
 export class Paths {

@@ -1,11 +1,13 @@
 /** Plots: what was measured, tick by tick, under the same clock. */
 
 import { tally } from "./agents.js";
-import { FATES, Recording } from "./decode.js";
+import { FATES } from "./decode.js";
+
+/** @typedef {import("./decode.js").Recording} Recording */
 
 /**
- * @typedef {{name: string, unit: string, digits: number, zero: boolean, lines: {rows: Float32Array, hue: string, dash: number[],
- *   name: string}[], top: number, bottom: number, canvas: HTMLCanvasElement, said: HTMLElement}} Plot
+ * @typedef {{name: string, unit: string, digits: number,
+ *   lines: {rows: Float32Array, hue: string, dash: number[], name: string}[], top: number, bottom: number, canvas: HTMLCanvasElement, said: HTMLElement}} Plot
  */
 
 /** Names and units of measures. @type {Record<string, [string, string, number]>} */
@@ -22,7 +24,9 @@ const DASHES = [[], [6, 4], [2, 3], [9, 3, 2, 3]];
 /** @param {Recording} recording @returns {Float32Array[]} how many prey had each fate at each tick */
 function counts(recording) {
   const rows = FATES.map(() => new Float32Array(recording.ticks + 1));
-  for (let tick = 0; tick <= recording.ticks; tick++) tally(recording, tick).forEach((count, fate) => (rows[fate][tick] = count));
+  for (let tick = 0; tick <= recording.ticks; tick++) {
+    tally(recording, tick).forEach((count, fate) => (rows[fate][tick] = count));
+  }
   return rows;
 }
 
@@ -41,7 +45,7 @@ export class Plots {
     const hues = ["prey", "arrived", "captured", "crashed"];
     this._plot(
       "Prey",
-      "",
+      "alive",
       0,
       FATES.flatMap((name, fate) =>
         fates
@@ -82,7 +86,7 @@ export class Plots {
     }
     if (bottom >= 0) bottom = 0;
     if (name === "Polarisation") top = 1;
-    const plot = { name, unit, digits, zero: bottom < 0, lines, top: top > bottom ? top : bottom + 1, bottom, canvas, said };
+    const plot = { name, unit, digits, lines, top: top > bottom ? top : bottom + 1, bottom, canvas, said };
     this.plots.push(plot);
     const point = (/** @type {PointerEvent} */ event) => {
       const box = canvas.getBoundingClientRect();
@@ -149,18 +153,11 @@ export class Plots {
     pen.stroke();
     const tick = Math.floor(time);
     const values = lines.map(({ rows }) => rows[Math.min(tick, rows.length - 1)]);
-    const words = name === "Prey" ? alive(lines, values) : values.map((each) => number(each, digits)).join(" | ");
-    said.textContent = unit && words !== "–" ? `${words} ${unit}` : words;
+    const here = name === "Prey" ? values.slice(0, lines.filter((line) => line.name === FATES[0]).length) : values;
+    const words = here.map((each) => number(each, digits)).join(" | ");
+    said.textContent = unit && /\d/.test(words) ? `${words} ${unit}` : words;
     canvas.setAttribute("aria-label", `${name} at tick ${tick}: ${said.textContent}`);
   }
-}
-
-/** @param {Plot["lines"]} lines @param {number[]} values */
-function alive(lines, values) {
-  const parts = lines.map(({ name }, n) => ({ name, count: values[n] }));
-  return FATES.filter((fate) => parts.some(({ name }) => name === fate))
-    .map((fate) => `${parts.filter(({ name }) => name === fate).map(({ count }) => count).join(" | ")} ${fate}`)
-    .join(", ");
 }
 
 /** Write a number, a dash for none. @param {number} value @param {number} digits */

@@ -2,7 +2,6 @@
 
 import { drawAgents, pixelOf } from "./agents.js";
 import { Flat, Orbit } from "./camera.js";
-import { Recording } from "./decode.js";
 import { drawFlashes, drawMarks } from "./events.js";
 import { drawGround } from "./ground.js";
 import { Coverage, drawLooked, drawOverlays } from "./overlays.js";
@@ -10,16 +9,19 @@ import { Paths } from "./paths.js";
 import { Ribbons, Shapes } from "./shapes.js";
 import { drawTrails } from "./trails.js";
 
+/** @typedef {import("./decode.js").Recording} Recording */
+
 /** @typedef {import("./ground.js").View} View @typedef {import("./camera.js").Rect} Rect */
 
-/** How far from the world agents may stray and still be fitted [share of the world's size]. */
-const STRAY = 0.5;
+/** How far from the world agents may stray and still be fitted [share of its size]: less where space is shared. */
+const STRAY = 0.5,
+  STRAY_TOGETHER = 0.08;
 
 /** Past the last tick flashes go on for so many ticks: a second of a film. */
 export const HOLD = 10;
 
-/** @param {Recording} recording @returns {import("./camera.js").Extent} all that moves, and the world */
-function extentOf(recording) {
+/** @param {Recording} recording @param {number} stray @returns {import("./camera.js").Extent} all that moves, and the world */
+function extentOf(recording, stray) {
   const { size, heights, boundary, prey, predators } = recording.header;
   const { dim, position, end, count } = recording;
   const [low, high] = [[0, 0], [size[0], size[1]]];
@@ -29,8 +31,8 @@ function extentOf(recording) {
       if (end[row % count] <= Math.floor(row / count)) continue;
       for (let axis = 0; axis < 2; axis++) {
         const place = position[row * dim + axis];
-        low[axis] = Math.max(Math.min(low[axis], place - radius), -STRAY * size[axis]);
-        high[axis] = Math.min(Math.max(high[axis], place + radius), (1 + STRAY) * size[axis]);
+        low[axis] = Math.max(Math.min(low[axis], place - radius), -stray * size[axis]);
+        high[axis] = Math.min(Math.max(high[axis], place + radius), (1 + stray) * size[axis]);
       }
     }
   }
@@ -39,11 +41,15 @@ function extentOf(recording) {
 
 /** A recording with its camera. */
 export class Scene {
-  /** @param {Recording} recording */
-  constructor(recording) {
+  /** @param {Recording} recording @param {Recording[]} [together] all that are shown side by side, at one scale */
+  constructor(recording, together = [recording]) {
     this.recording = recording;
     this.paths = new Paths(recording);
-    const extent = extentOf(recording);
+    const extents = together.map((each) => extentOf(each, together.length > 1 ? STRAY_TOGETHER : STRAY));
+    const extent = {
+      low: extents[0].low.map((_, axis) => Math.min(...extents.map(({ low }) => low[axis]))),
+      high: extents[0].high.map((_, axis) => Math.max(...extents.map(({ high }) => high[axis]))),
+    };
     this.lens = recording.dim > 2 ? new Orbit(extent) : new Flat(extent);
     this.below = new Shapes();
     this.above = new Shapes();
@@ -101,7 +107,10 @@ export class Scene {
     }
   }
 
-  /** Find the agent at a pixel, -1 for none. @param {number} x @param {number} y @param {number} within pixels @param {number} time */
+  /**
+   * Find the agent at a pixel, -1 for none.
+   * @param {number} x @param {number} y @param {number} within pixels @param {number} time
+   */
   pick(x, y, within, time) {
     let [found, nearest] = [-1, within];
     if (!this.view) return found;

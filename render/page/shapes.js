@@ -108,7 +108,8 @@ export class Shapes extends Numbers {
 
   /**
    * Draw a disc; a ramp of `soft` pixels adds area, which the radius gives back.
-   * @param {number} x @param {number} y @param {number} radius @param {Colour} paint @param {number} [alpha] @param {number} [soft]
+   * @param {number} x @param {number} y @param {number} radius
+   * @param {Colour} paint @param {number} [alpha] @param {number} [soft]
    */
   disc(x, y, radius, paint, alpha = 1, soft = 1) {
     const own = Math.sqrt(Math.max(radius * radius - (soft * soft) / 12, 0));
@@ -117,7 +118,8 @@ export class Shapes extends Numbers {
 
   /**
    * Draw a circle of a line width.
-   * @param {number} x @param {number} y @param {number} radius @param {number} width @param {Colour} paint @param {number} [alpha]
+   * @param {number} x @param {number} y @param {number} radius @param {number} width
+   * @param {Colour} paint @param {number} [alpha]
    */
   ring(x, y, radius, width, paint, alpha = 1) {
     if (width > 0) this._row(CAPSULE, 1, width / 2, 0, x, y, x, y, radius, radius, paint, alpha, alpha);
@@ -143,7 +145,10 @@ export class Shapes extends Numbers {
     this._row(BOX, soft, stroke, Math.min(corner, p, q), (x0 + x1) / 2, (y0 + y1) / 2, 0, 0, p, q, paint, alpha, below);
   }
 
-  /** Draw a convex quadrilateral, corners clockwise on the screen. @param {number[]} xy @param {Colour} paint @param {number} alpha */
+  /**
+   * Draw a convex quadrilateral, corners clockwise on the screen.
+   * @param {number[]} xy @param {Colour} paint @param {number} alpha
+   */
   quad(xy, paint, alpha = 1) {
     this._row(QUAD, 1, xy[7], xy[6], xy[0], xy[1], xy[2], xy[3], xy[4], xy[5], paint, alpha, alpha);
   }

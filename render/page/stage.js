@@ -1,17 +1,24 @@
 /** Stage: the canvas that scenes are drawn on, side by side, and what pointers do there. */
 
-import { Flat, Orbit } from "./camera.js";
+import { Orbit } from "./camera.js";
 import { fillCard } from "./card.js";
 import { FlatPainter } from "./flat.js";
 import { areaHue } from "./ground.js";
 import { TERM_HUES } from "./overlays.js";
-import { Scene } from "./scene.js";
+import { Pointers } from "./pointers.js";
 import { colour } from "./shapes.js";
 import { WebGlPainter } from "./webgl.js";
+
+/** @typedef {import("./scene.js").Scene} Scene */
+
+/** @typedef {import("./camera.js").Flat} Flat */
 
 /** How near to an agent a pointer must be [CSS px], a finger less exactly. */
 const NEAR = 16,
   FINGER = 30;
+
+/** Room above each of several scenes for its name [CSS px]. */
+const HEAD = 30;
 
 /** @typedef {{scene: number, agent: number}} Looked */
 
@@ -78,7 +85,8 @@ export class Stage {
     this.scenes.forEach((scene, n) => {
       const [column, row] = [n % columns, Math.floor(n / columns)];
       const [x, y] = [Math.round((column * width) / columns), Math.round((row * height) / rows)];
-      scene.rect = { x, y, width: Math.round(width / columns), height: Math.round(height / rows) };
+      const head = count > 1 ? Math.round(HEAD * ratio) : 0;
+      scene.rect = { x, y: y + head, width: Math.round(width / columns), height: Math.round(height / rows) - head };
     });
     const cell = Math.min(width / columns, (height / rows) * 1.4);
     this.unit = Math.min(Math.max(cell / 900, 0.72 * ratio), 2.4 * ratio);
@@ -116,7 +124,7 @@ export class Stage {
     const wanted = [];
     for (const { recording, lens, rect } of this.scenes) {
       const { areas, label } = recording.header;
-      if (this.scenes.length > 1) wanted.push([label, rect.x, rect.y, this.palette.ink, "scene"]);
+      if (this.scenes.length > 1) wanted.push([label, rect.x, rect.y - HEAD * ratio, this.palette.ink, "scene"]);
       if (lens instanceof Orbit) continue;
       for (const area of areas) {
         lens.place(area.low[0], area.high[1]);
@@ -129,7 +137,8 @@ export class Stage {
     }
     while (this.labels.children.length > wanted.length) this.labels.lastChild?.remove();
     wanted.forEach(([words, x, y, hue, kind], n) => {
-      const label = /** @type {HTMLElement} */ (this.labels.children[n] ?? this.labels.appendChild(document.createElement("span")));
+      const there = this.labels.children[n] ?? this.labels.appendChild(document.createElement("span"));
+      const label = /** @type {HTMLElement} */ (there);
       if (label.textContent !== words) label.textContent = words;
       label.className = kind;
       label.style.color = hue;
@@ -171,7 +180,10 @@ export class Stage {
     return { scene, agent: this.scenes[scene].pick(x, y, within, this.clock.time) };
   }
 
-  /** Give a pointer's place [canvas px] and the scene under it. @param {MouseEvent} event @returns {[number, number, number]} */
+  /**
+   * Give a pointer's place [canvas px] and the scene under it.
+   * @param {MouseEvent} event @returns {[number, number, number]}
+   */
   _spot(event) {
     const [box, ratio] = [this.canvas.getBoundingClientRect(), window.devicePixelRatio || 1];
     const [x, y] = [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
@@ -239,51 +251,5 @@ export class Stage {
     for (const { lens } of this.scenes) lens.drag(dx, dy);
     if (!(this.scenes[0].lens instanceof Orbit)) this.following = false;
     this.touched();
-  }
-}
-
-/** Pointers on the stage: one drags, two zoom, a short one chooses. */
-class Pointers {
-  /** @param {Stage} stage */
-  constructor(stage) {
-    this.stage = stage;
-    /** @type {Map<number, {x: number, y: number}>} */
-    this.down = new Map();
-    this.moved = 0;
-    const { canvas } = stage;
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      if (!this.down.size) this.moved = 0;
-      this.down.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    });
-    canvas.addEventListener("pointermove", (event) => this._move(event));
-    canvas.addEventListener("pointerup", (event) => {
-      if (this.down.delete(event.pointerId) && !this.down.size && this.moved < 6) stage.tap(event);
-    });
-    canvas.addEventListener("pointercancel", (event) => this.down.delete(event.pointerId));
-    canvas.addEventListener("pointerleave", () => {
-      stage.hovered = { scene: 0, agent: -1 };
-      stage.stale = true;
-    });
-  }
-
-  /** @param {PointerEvent} event */
-  _move(event) {
-    const held = this.down.get(event.pointerId);
-    if (!held) {
-      this.stage.hover(event);
-      return;
-    }
-    const ratio = window.devicePixelRatio || 1;
-    const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
-    this.moved += Math.hypot(dx, dy);
-    const others = [...this.down].filter(([id]) => id !== event.pointerId).map(([, each]) => each);
-    this.down.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (others.length) {
-      const [other] = others;
-      const factor = Math.hypot(event.clientX - other.x, event.clientY - other.y) / Math.hypot(held.x - other.x, held.y - other.y);
-      if (Number.isFinite(factor) && factor > 0) this.stage.zoom(factor, ...this.stage._spot(event));
-      this.stage.drag((dx / 2) * ratio, (dy / 2) * ratio);
-    } else if (this.moved >= 6) this.stage.drag(dx * ratio, dy * ratio);
   }
 }

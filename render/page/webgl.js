@@ -120,14 +120,15 @@ export class WebGlPainter {
     this.nothing = gl.createVertexArray();
     this.picture = gl.createTexture();
     this.frame = gl.createFramebuffer();
-    [this.width, this.height] = [0, 0];
+    this.width = 0;
+    this.height = 0;
   }
 
   /** @param {string} vertex @param {string} fragment */
   _program(vertex, fragment) {
     const { gl } = this;
     const program = /** @type {WebGLProgram} */ (gl.createProgram());
-    for (const [kind, text] of /** @type {[number, string][]} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
+    for (const [kind, text] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
       const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
@@ -159,7 +160,8 @@ export class WebGlPainter {
   _resize() {
     const { gl, canvas } = this;
     if (canvas.width === this.width && canvas.height === this.height) return;
-    [this.width, this.height] = [canvas.width, canvas.height];
+    this.width = canvas.width;
+    this.height = canvas.height;
     gl.bindTexture(gl.TEXTURE_2D, this.picture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.SRGB8_ALPHA8, this.width, this.height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
@@ -168,7 +170,10 @@ export class WebGlPainter {
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.picture, 0);
   }
 
-  /** Draw scenes, whose layers are filled. @param {import("./scene.js").Scene[]} scenes @param {number[]} backdrop linear light */
+  /**
+   * Draw scenes, whose layers are filled.
+   * @param {import("./scene.js").Scene[]} scenes @param {number[]} backdrop linear light
+   */
   paint(scenes, backdrop) {
     const { gl } = this;
     this._resize();
