@@ -1,7 +1,7 @@
 /** Ground: what stands still: floor, grid, areas, edges, target and obstacles. */
 
 import { Orbit } from "./camera.js";
-import { colour, mixed, Shapes } from "./shapes.js";
+import { colour, mixed } from "./shapes.js";
 
 /** @typedef {import("./camera.js").Flat} Flat */
 
@@ -10,8 +10,8 @@ import { colour, mixed, Shapes } from "./shapes.js";
 /**
  * What is drawn, and how: a frame in the making.
  * @typedef {{recording: Recording, paths: import("./paths.js").Paths, lens: Flat | Orbit, unit: number, time: number,
- *   theme: import("./shapes.js").Palette, below: Shapes, ribbons: import("./shapes.js").Ribbons, above: Shapes,
- *   switches: Set<string>, shown: number}} View
+ *   theme: import("./shapes.js").Palette, switches: Set<string>, below: import("./shapes.js").Shapes,
+ *   ribbons: import("./shapes.js").Ribbons, above: import("./shapes.js").Shapes}} View
  */
 
 const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];

@@ -7,7 +7,8 @@ import { FATES } from "./decode.js";
 
 /**
  * @typedef {{name: string, unit: string, digits: number,
- *   lines: {rows: Float32Array, hue: string, dash: number[], name: string}[], top: number, bottom: number, canvas: HTMLCanvasElement, said: HTMLElement}} Plot
+ *   lines: {rows: Float32Array, hue: string, dash: number[], name: string}[],
+ *   top: number, bottom: number, canvas: HTMLCanvasElement, said: HTMLElement}} Plot
  */
 
 /** Names and units of measures. @type {Record<string, [string, string, number]>} */

@@ -77,7 +77,7 @@ export class Scene {
     paths.load(time);
     lens.fit(this.rect);
     /** @type {View} */
-    const view = { recording, paths, lens, unit, time, theme, below, ribbons, above, switches, shown: 0 };
+    const view = { recording, paths, lens, unit, time, theme, below, ribbons, above, switches };
     this.view = view;
     this._wrap();
     drawGround(view);

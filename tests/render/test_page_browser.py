@@ -103,7 +103,8 @@ def test_a_moved_camera_shows_the_same(browser, page, calm):
         assert nearest <= 12
 
 
-def test_a_page_plays_by_itself_unless_its_reader_wants_rest(browser, page):
+def test_a_page_plays_by_itself_unless_its_reader_wants_rest(browser, make, tmp_path):
+    page = render.replay(make(ticks=600), tmp_path / "long.html")
     browser.open(page)
     assert not browser.run("return tiswarm.clock.playing")
     browser.look(calm=False)

@@ -23,6 +23,9 @@ _LISTS: dict[registry.Kind, str] = {"prey": "swarm_agents", "predators": "projec
 
 _ALIASES = {"kitchensink": "kitchen-sink", "outwards-field": "outward"}
 
+_FARTHEST = 1e12
+"""Numbers beyond this are damage, not metres."""
+
 _HUNTERS = (("center", "centre"), ("png", "pronav"), ("cluster", "cluster"))
 """What the name of a configuration says of its predators."""
 
@@ -89,6 +92,8 @@ def _listed(value: Any, what: str) -> Sequence[Any]:
 def _number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise ValueError(f"{str(value)[:40]} is no number")
+    if abs(value) > _FARTHEST:
+        raise ValueError(f"{value:.3g} is too large")
     return float(value)
 
 
