@@ -24,6 +24,15 @@ class Rebuilt:
         self._told = read_manifest(path)
         self.precision: str = self._told["precision"]
 
+    @property
+    def count(self) -> int:
+        """Count the cells."""
+        return len(self._told["cells"])
+
+    def row(self, number: int) -> str:
+        """Name a cell by its row in the tables."""
+        return str(self.cell(number)["row"])
+
     def cell(self, number: int) -> dict[str, Any]:
         """Find a cell by its number in the tables. Errors: WrongInput."""
         cells = self._told["cells"]
