@@ -22,6 +22,7 @@ from render.source import Live, is_sky
 from render.style import Look
 from render.timeline import length, times
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
@@ -89,7 +90,7 @@ class Composition:
         inner = edges.copy()
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             camera, extent = held.at(0.0), subject.scenario.world
-            if extent.boundary == "periodic" and held.still and not isinstance(camera, Orbit):
+            if box.wraps(extent.boundary) and held.still and not isinstance(camera, Orbit):
                 a, b = camera.place(np.array([(0, 0), extent.size[:2]], float))
                 inner[n, :2] = np.maximum(edges[n, :2], np.minimum(a, b))
                 inner[n, 2:] = np.minimum(edges[n, 2:], np.maximum(a, b))
@@ -140,7 +141,7 @@ class Composition:
     def _images(subject: Recording | Live, held: Rig, time: float, window: np.ndarray) -> list[Camera]:
         """Give a camera for each image of a world that can be seen: several where one follows through a periodic world."""
         camera, extent = held.at(time), subject.scenario.world
-        if held.still or extent.boundary != "periodic" or isinstance(camera, Orbit):
+        if held.still or not box.wraps(extent.boundary) or isinstance(camera, Orbit):
             return [camera]
         size, images = np.array(extent.size[:2], float), []
         for turn in ((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)):

@@ -12,6 +12,7 @@ from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
 from render.theme import Theme
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Distances of grid lines to choose from [m]; the first that leaves at most LINES of them across the world is taken."""
@@ -77,7 +78,7 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
 
 def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: float, alpha: float) -> list[np.ndarray]:
     """Draw the edge of the world: solid walls around it, or a fine line."""
-    if boundary != "walls":
+    if not box.walled(boundary):
         return [boxes(low, high, theme["line"], alpha, corner=3 * unit, stroke=0.75 * unit)]
     half = WALL / 2 * unit
     return [

@@ -8,6 +8,7 @@ from render.scene.camera import Camera, Orbit
 from render.scene.snapshot import Snapshot, images
 from render.scene.trajectories import Trajectories
 from render.theme import Theme
+from tiswarm.space import box
 
 BLUR = np.array([1, 8, 28, 56, 70, 56, 28, 8, 1], np.float32) / 256
 """Each agent is spread over the cells around its own, by about one and a half of them."""
@@ -80,10 +81,10 @@ class Density:
         size = np.array(world.size[:2], float)
         cells = _cells(size, many)
         low, far = np.zeros(2), size
-        if world.boundary == "open":
+        if not box.bounded(world.boundary):
             rim = np.ceil(AWAY * cells)
             low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
-        mode = {"periodic": "wrap", "walls": "symmetric"}.get(world.boundary, "constant")
+        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
         crowd = _counted((spots - low) / (far - low), cells, mode) * (np.prod(size / (far - low)) * np.prod(cells) / many)
         texels = self._scale.take(self._level(crowd), axis=0)[::-1]  # y points up in the world, down on the screen
         first, shapes = self._write(texels), []
@@ -93,7 +94,7 @@ class Density:
                 camera.centre + (window[[2, 1]] - camera.middle) * (1, -1) / camera.scale,
             ]
         )
-        period = size if world.boundary == "periodic" else np.zeros(2)
+        period = box.period(world.size[:2], world.boundary)
         seen = np.concatenate([edges[0] - size / 2, edges[1] + size / 2])
         _, shifts = images((size / 2)[None], seen[None], period[None])
         for shift in shifts:

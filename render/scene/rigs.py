@@ -11,6 +11,7 @@ from render.scene.trajectories import Trajectories
 from render.source import Live, is_sky
 from render.style import Look
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 MARGIN = 0.04
 """Free rim around the world, as a share of the stage's shorter edge."""
@@ -64,7 +65,7 @@ def bounds(paths: Trajectories, scene: int, stray: float) -> Box:
     subject = paths.subjects[scene]
     world, radius = subject.scenario.world, max(subject.scenario.prey.radius, subject.scenario.predators.radius)
     size = np.array(world.size[:2], float)
-    if world.boundary == "periodic":
+    if box.wraps(world.boundary):
         return Box(0, 0, *world.size[:2])
     start = paths.spots(0.0)[paths.scene == scene, :2]
     low, high = np.zeros(2), size
@@ -118,7 +119,8 @@ def rig(look: Look, paths: Trajectories, scene: int, view: View, stage: Box) -> 
         raise ValueError(f"camera: no agent {agent} to follow; use 0 to {count - 1}")
     way = _calm_path(subject, int(agent) if agent else None)
     rows, shown = np.arange(len(way)), 1.0 if kind == "fit" else FOLLOWED
-    period = np.array(subject.scenario.world.size[:2]) if subject.scenario.world.boundary == "periodic" else None
+    world = subject.scenario.world
+    period = np.array(world.size[:2]) if box.wraps(world.boundary) else None
 
     def follow(time: float) -> Camera:
         centre = np.array([np.interp(time, rows, way[:, 0]), np.interp(time, rows, way[:, 1])])
@@ -129,7 +131,7 @@ def rig(look: Look, paths: Trajectories, scene: int, view: View, stage: Box) -> 
 
 def _leaves(subject: Recording | Live) -> bool:
     """Tell whether prey wander off for good through an open world in which nothing keeps them: then one must go along."""
-    if not isinstance(subject, Recording) or not is_sky(subject) or subject.scenario.world.boundary != "open":
+    if not isinstance(subject, Recording) or not is_sky(subject) or box.bounded(subject.scenario.world.boundary):
         return False
     size = np.array(subject.scenario.world.size[:2])
     away = np.abs(np.nanmean(subject.prey.position[..., :2], axis=1) - size / 2) > size / 2
@@ -144,7 +146,7 @@ def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
         chosen = np.concatenate([chosen, recording.predators.position[..., :2]], axis=1)[:, agent : agent + 1]
     there = np.isfinite(chosen[..., :1])
     count = there.sum(axis=1)
-    if world.boundary == "periodic":
+    if box.wraps(world.boundary):
         turn = 2 * np.pi / np.array(world.size[:2])
         waves = np.where(there, np.exp(1j * np.nan_to_num(chosen) * turn), 0).sum(axis=1)
         mean = np.unwrap(np.angle(waves), axis=0) / turn

@@ -8,6 +8,7 @@ from render.raster.shapes import NONE, capsules
 from render.scene.camera import Camera, Orbit
 from render.scene.snapshot import Snapshot, images
 from render.scene.trajectories import Trajectories
+from tiswarm.space import box
 
 HUNTERS = 0.65
 """Trails of predators are this much weaker than those of prey, whose story it is."""
@@ -129,8 +130,7 @@ class Trails:
         points, start = line[..., :2].reshape(-1, 2), starts * paths.count + agents
         period = paths.period[:, :2].take(agents, axis=0)
         a = points.take(start, axis=0)
-        step = points.take(start + paths.count, axis=0) - a
-        step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
+        step = box.displacement(points.take(start + paths.count, axis=0) - a, period)
         half = np.abs(step) / 2
         seen = around.take(agents, axis=0)
         seen[:, :2] -= half

@@ -11,6 +11,7 @@ import taichi as ti
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -75,7 +76,7 @@ class Frame:
         return cls(
             dim=world.dim,
             boundary=world.boundary,
-            wrap_sight=world.boundary == "periodic" and world.wrap_sight,
+            wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
             contact=world.contact,
             verlet=world.scheme == "verlet",
             targeted=scenario.target.present,

@@ -4,6 +4,7 @@ from math import prod
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 CROSSOVER = 400
@@ -64,7 +65,7 @@ def _refused(scenario: Scenario) -> str:
     hunters = registry.parts("predators", predators.strategy) if predators.count else ()
     refused = {
         "world.contact": world.contact == "bounce",
-        "world.wrap_sight": world.boundary == "periodic" and not world.wrap_sight,
+        "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
         "measures.names": bool(scenario.measures.names),
         "coverage.cell": scenario.coverage.cell > 0,
         "predators.strategy": any("survey" in vars(registry.load("predators", name)) for name in hunters),

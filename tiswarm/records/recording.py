@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.system.files import replacing
 
 FATES = ("alive", "arrived", "captured", "crashed")
@@ -72,12 +73,14 @@ class Recording:
         """Count the dimensions of the world."""
         return self.prey.position.shape[2]
 
+    @property
+    def period(self) -> np.ndarray:
+        """Give after which length the world repeats itself along each axis: [dim], m; 0 where it does not."""
+        return box.period(self.scenario.world.size, self.scenario.world.boundary)
+
     def shortest(self, way: np.ndarray) -> np.ndarray:
         """Take the shortest image of ways [..., dim] where the world is periodic."""
-        if self.scenario.world.boundary != "periodic":
-            return way
-        size = np.array(self.scenario.world.size)
-        return way - size * np.floor(way / size + 0.5)
+        return box.displacement(way, self.period)
 
     def save(self, path: str | os.PathLike) -> Path:
         """Write the recording as a compressed .npz; the file appears whole or not at all."""

@@ -2,8 +2,11 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import SWEPT
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 if TYPE_CHECKING:  # the model asks for these checks
@@ -30,7 +33,7 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
-        if scenario.world.boundary != "open" and agents.count:
+        if box.bounded(scenario.world.boundary) and agents.count:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
     _check_measures(scenario)
 
@@ -76,7 +79,7 @@ def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:
 
 
 def _inside(path: str, region: "Box", size: tuple[float, ...]) -> None:
-    if min(region.low) < 0 or any(high > length for high, length in zip(region.high, size, strict=True)):
+    if not box.inside(np.array([region.low, region.high]), size).all():
         raise ScenarioError(f"{path}: reaches out of a world with edges; keep it within 0 and world.size, {list(size)}")
 
 

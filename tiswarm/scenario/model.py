@@ -26,6 +26,8 @@ from tiswarm.scenario.parts import (
     leaves,
     plain,
 )
+from tiswarm.space import box
+from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
 from tiswarm.system.words import did_you_mean
 
@@ -54,7 +56,7 @@ class World(Part):
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
     dt: Positive = 1.0  # s
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
-    boundary: Literal["open", "periodic", "walls"] = "open"
+    boundary: Boundary = "open"
     wrap_sight: bool = True  # whether agents see across a periodic edge
     margin: NotNegative = 0.0  # nearer to a wall than this, agents turn away from it [m]
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
@@ -71,7 +73,7 @@ class World(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.boundary != "walls" and (self.margin or self.turn_factor):
+        if not box.walled(self.boundary) and (self.margin or self.turn_factor):
             raise ValueError("a world has margin and turn_factor only with boundary = 'walls'; drop them or set it")
         return self
 

@@ -9,7 +9,7 @@ import taichi as ti
 from tiswarm.simd import runtime
 from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES, TASK
-from tiswarm.space import cell_index, counting_sort, traversal
+from tiswarm.space import box, cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
     CELLS,
     CHUNKS,
@@ -128,10 +128,8 @@ class Grid:
         agents = self.agents[self.total :].reshape(self.trials, self.slots, -1)
         agents[...] = 0
         agents[:, : self.count, : 2 * dimensions] = np.where(gone[..., None], 0, state)
-        if self.space.boundary == "periodic":
-            wrapped = agents[:, : self.count, :dimensions] % np.asarray(self.space.size, agents.dtype)
-            wrapped[wrapped >= np.asarray(self.space.size, agents.dtype)] = 0
-            agents[:, : self.count, :dimensions] = wrapped
+        period = box.period(self.space.size, self.space.boundary).astype(agents.dtype)
+        agents[:, : self.count, :dimensions] = box.wrap(agents[:, : self.count, :dimensions], period)
         self.whole[HEAD + 2 * self.total : HEAD + 3 * self.total] = np.tile(np.arange(self.slots, dtype=np.int32), self.trials)
         here = np.zeros((self.trials, self.slots), np.int32)
         here[:, : self.count] = ~gone
@@ -164,7 +162,7 @@ _built: dict[tuple[Any, ...], SimpleNamespace] = {}
 def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
-    key = (runtime.generation(), space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
+    key = (runtime.generation(), space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
     if key not in _built:
         _built[key] = _build(runtime.types(), *key[1:])
     return _built[key]

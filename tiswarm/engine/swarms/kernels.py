@@ -10,11 +10,13 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics import steering
+from tiswarm.dynamics.integrator import drifted
 from tiswarm.dynamics.table import Layout
 from tiswarm.engine.swarms import transfer
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.simd.lanes import Together, motion, place
 from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 # What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
@@ -220,14 +222,12 @@ def build(
             total = whole[SLOTS] * whole[TRIALS]
             for slot in range(total):
                 trial = slot // whole[SLOTS]
-                half = 0.5 * numbers[layout.at.dt][0]
+                step = numbers[layout.at.dt][0]
                 moved = agents[slot]
                 for k in ti.static(range(dim)):
-                    moved[k] += half * moved[dim + k]
-                    if ti.static(frame.boundary == "periodic"):
-                        size = numbers[layout.at.size[k]][0]
-                        moved[k] = moved[k] - size * ti.floor(moved[k] / size)
-                        moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
+                    moved[k] = drifted(moved[k], moved[dim + k], step)
+                    if ti.static(box.wraps(frame.boundary)):
+                        moved[k] = box_lanes.wrap(moved[k], numbers[layout.at.size[k]][0])
                 place = whole[CELLS] - 1
                 if slot < funcs.alive_end(whole, trial):
                     place = funcs.place_of(moved, whole, reals)

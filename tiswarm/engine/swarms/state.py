@@ -15,8 +15,9 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES
+from tiswarm.space import box
 from tiswarm.space.cell_list import Grid
-from tiswarm.space.cells import Boundary, Space
+from tiswarm.space.cells import Space
 
 SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
@@ -251,8 +252,8 @@ class Crowds:
 def space_of(scenario: Scenario, kind: str) -> Space:
     """Give the space of a kind's grid. In open worlds prey fly anywhere; of the few others, those outside are in edge cells."""
     world = scenario.world
-    boundary: Boundary = world.boundary
-    return Space(tuple(world.size), "walls" if boundary == "open" and kind != "prey" else boundary)
+    boundary = world.boundary
+    return Space(tuple(world.size), boundary if box.bounded(boundary) or kind == "prey" else "walls")
 
 
 def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
