@@ -14,7 +14,7 @@ import pytest
 
 import render
 import tiswarm
-from tiswarm.engine.trials.batch import simulate_many
+from tiswarm.engine.run import simulate_many
 
 PINNED = Path(__file__).with_name("bits.json")
 MEASURES = ["polarisation", "milling", "nearest", "groups", "speed", "kinetic", "trapped-time"]

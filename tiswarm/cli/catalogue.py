@@ -49,6 +49,7 @@ def show(
     """Print a scenario as TOML, defaults filled in."""
     import json
 
+    from tiswarm.engine.choice import engine_of
     from tiswarm.scenario.model import Scenario
     from tiswarm.strategies import registry
 
@@ -59,4 +60,5 @@ def show(
     elif preset is None:
         raise WrongInput("show: name a preset, for example 'tiswarm show delft/pronav-10', or use --schema")
     else:
-        sys.stdout.write(load_scenario(preset, sets).to_toml())
+        scenario = load_scenario(preset, sets)
+        sys.stdout.write(f"# engine: {engine_of(scenario)}\n{scenario.to_toml()}")

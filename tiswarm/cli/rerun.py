@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from tiswarm.cli.options import WrongInput
-from tiswarm.engine.trials.batch import simulate
-from tiswarm.engine.trials.trial import record
+from tiswarm.engine.run import record, simulate
 from tiswarm.scenario.model import validated
 from tiswarm.studies.run import outcomes_of
 from tiswarm.studies.store import read_cell, read_manifest

@@ -17,6 +17,11 @@ MOST_PAIRED = 10_000
 """Comparing all pairs of more agents than this takes longer than anybody waits."""
 
 
+def engine_of(scenario: Scenario) -> str:
+    """Name the engine that runs a scenario: "grid" or "all-pairs". Errors: as of by_grid."""
+    return "grid" if by_grid(scenario) else "all-pairs"
+
+
 def by_grid(scenario: Scenario) -> bool:
     """Tell whether a scenario runs on a grid of neighbours: the same for one trial and for many.
 

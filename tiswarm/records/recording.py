@@ -3,7 +3,7 @@
 import os
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,6 +36,14 @@ class Swarm:
     state: np.ndarray
     group: np.ndarray
     terms: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, moments: "Sequence[Swarm]") -> "Swarm":
+        """Put moments, arrays [agent, ...] of one tick each, one behind the other."""
+        position, velocity, state, group = (
+            np.stack([getattr(each, name) for each in moments]) for name in ("position", "velocity", "state", "group")
+        )
+        return cls(position, velocity, moments[-1].fate, state, group)
 
     @property
     def count(self) -> int:

@@ -51,7 +51,8 @@ class Results:
 
     arrived, captured, crashed, alive: prey counts; ticks: how long the trial ran; first_arrival, last_arrival: ticks, 0 when
     nobody arrived; spawned: prey at the start; dt: [s]. measures: what the scenario's `measures` name, NaN where a trial had no
-    state to measure or never came so far; weights: numbers of single trials, by path.
+    state to measure or never came so far; weights: numbers of single trials, by path; engine: "all-pairs" or
+    "grid", which ran them (engine/choice.py).
     """
 
     scenario: Scenario
@@ -68,6 +69,7 @@ class Results:
     dt: np.ndarray
     measures: Mapping[str, np.ndarray] = field(default_factory=dict)
     weights: Mapping[str, np.ndarray] = field(default_factory=dict)
+    engine: str = "all-pairs"
 
     @classmethod
     def of(
@@ -78,13 +80,14 @@ class Results:
         outcomes: Mapping[str, np.ndarray],
         measures: Mapping[str, np.ndarray],
         weights: Mapping[str, np.ndarray] | None,
+        engine: str = "all-pairs",
     ) -> "Results":
         """Put what the kernel wrote down beside what each trial started with."""
         own = dict(weights or {})
         shape = outcomes["ticks"].shape
         spawned = np.broadcast_to(np.asarray(own.get("prey.count", scenario.prey.count)), shape).astype(np.int32)
         dt = np.broadcast_to(np.asarray(own.get("world.dt", scenario.world.dt), np.float64), shape)
-        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, measures=measures, weights=own)
+        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, measures=measures, weights=own, engine=engine)
 
     @property
     def trials(self) -> int:
@@ -141,6 +144,7 @@ class Results:
         write_text(folder / "trials.csv", self.to_csv())
         write_text(folder / "summary.json", self.summary_json() + "\n")
         told = {"scenario": json.loads(self.scenario.to_json()), "scenario_hash": self.scenario.hash(), "trials": self.trials}
+        told["engine"] = self.engine
         told["weights_of_single_trials"] = sorted(self.weights)  # their numbers stand in trials.csv
         write_text(folder / "manifest.json", manifest(self.settings, seed=self.seed, **told, **more))
         return folder

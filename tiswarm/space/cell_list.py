@@ -137,6 +137,13 @@ class Grid:
         self.funcs.find(self.agents, self.whole, self.reals, self.total)
         self.sort()
 
+    def show(self, told: np.ndarray) -> None:
+        """Write what agents show beyond position and velocity: [trial, agent, number], by their numbers."""
+        agents = self.agents[: self.total].reshape(self.trials, self.slots, -1)
+        every = np.zeros((self.trials, self.slots, told.shape[-1]))
+        every[:, : self.count] = told
+        agents[..., 2 * self.space.dimensions :] = np.take_along_axis(every, self.numbers[..., None].astype(np.int64), axis=1)
+
     def sort(self) -> None:
         """Bring the moved agents into cell order: their places in the table are known."""
         self._sort()
