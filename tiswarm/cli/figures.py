@@ -161,7 +161,8 @@ def _game(report: Report, played: Contest, folder: Path) -> None:
     shares = [
         f"against {name}, played {share:.0%}" for name, share in zip(played.columns, played.solution.columns, strict=True)
     ]
-    if len(rules.prey) == 2:
+    axes = [axis.keys for axis in report.rows[0].cell.table.axes]
+    if len(rules.prey) == 2 and all((key,) in axes for key in rules.prey):  # a grid, not two keys that change together
         points = [cells[0].cell.point for cells in played.cells]
         names = [list(dict.fromkeys(label(point[key]) for point in points)) for key in rules.prey]
         shape = tuple(map(len, names))
