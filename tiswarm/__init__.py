@@ -23,6 +23,7 @@ _HOMES = {
     "compare": "records.results",
     "Recording": "records.recording",
     "Swarm": "engine.swarms.simulation",
+    "tune": "learning.tune",
 }
 
 __all__ = [
@@ -41,11 +42,13 @@ __all__ = [
     "load",
     "record",
     "simulate",
+    "tune",
 ]
 
 if TYPE_CHECKING:
     from tiswarm.engine.run import Simulation, record, simulate
     from tiswarm.engine.swarms.simulation import Swarm
+    from tiswarm.learning.tune import tune
     from tiswarm.records.recording import Recording
     from tiswarm.records.results import Estimate, Results, compare
     from tiswarm.scenario.errors import ScenarioError

@@ -172,7 +172,7 @@ def check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: 
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array
-        if _other_end(path) is None:
+        if other_end(path) is None:
             for end in (array.min(), array.max()):
                 scenario.replaced({path: int(end) if whole else float(end)})
     _check_ends(scenario, arrays)
@@ -190,7 +190,7 @@ def differing(scenario: Scenario) -> set[str]:
     return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
 
 
-def _other_end(path: str) -> str | None:
+def other_end(path: str) -> str | None:
     """Give the key of the other end of a range: "obstacles.radius.0" for "obstacles.radius.1"; None for no end of a range."""
     names = path.split(".")
     for at, name in enumerate(names[:-1]):
@@ -204,7 +204,7 @@ def _check_ends(scenario: Scenario, arrays: Mapping[str, np.ndarray]) -> None:
     """Raise ScenarioError where a range of a single trial runs from a larger to a smaller number."""
     numbers = scenario.numbers()
     for path in arrays:
-        other = _other_end(path)
+        other = other_end(path)
         if other is not None:
             low, high = sorted((path, other))
             below, above = (arrays.get(end, numbers[end]) for end in (low, high))
