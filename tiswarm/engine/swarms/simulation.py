@@ -50,7 +50,7 @@ class Swarm(Crowds):
                 f"trials: {trials} from number {trial} on are not possible; use 1 or more, up to number {MOST_TRIALS}"
             )
         if isinstance(start, tuple):
-            start = tuple(np.asarray(each, np.float64) for each in start)
+            start = np.asarray(start[0], np.float64), np.asarray(start[1], np.float64)
             if start[0].ndim != 3 or start[0].shape != start[1].shape or start[0].shape[2] != scenario.world.dim:
                 told = " and ".join(str(each.shape) for each in start)
                 raise ValueError(f"start: positions and velocities {told} need [trial, agent, dim]")
@@ -115,8 +115,8 @@ class Swarm(Crowds):
 
     def record(self) -> Recording:
         """Run the first trial to its end and keep its path."""
-        paths = [Moment.of(own) for own in zip(*self, strict=True)]
-        return Recording(self.scenario, self.seed, self.trial, *paths, self.obstacle_position, self.obstacle_radius)
+        prey, predators = (Moment.of(own) for own in zip(*self, strict=True))
+        return Recording(self.scenario, self.seed, self.trial, prey, predators, self.obstacle_position, self.obstacle_radius)
 
     def __iter__(self) -> Iterator[tuple[Moment, Moment]]:
         """Run the first trial to its end: give prey and predators now, then after each tick."""
