@@ -83,7 +83,7 @@ def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) ->
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
-    """Build gather, blocked and look (kind -> func), heed, chase and swarm_of.
+    """Build gather and flocked (kind -> func), heed, chase, blocked, look and swarm_of.
 
     here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
     kind.

@@ -16,7 +16,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: 
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
-    steps = integrator.build(layout, see)
+    steps = integrator.build(layout)
     strategies = layout.parts("prey", "strategy")
     kicking = [p for p in strategies if p.strategy.dice]
     remembering = [p for p in strategies if "remember" in p.own]

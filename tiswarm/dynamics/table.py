@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
+from tiswarm.dynamics import network_columns
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.network import Shape
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -23,7 +25,6 @@ STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
 # Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
 TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
 
-ROLES = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
 _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
 
 
@@ -34,8 +35,9 @@ class Part:
     mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell; shape: of its network.
     """
 
-    kind: str
-    role: str
+    kind: registry.Side
+    role: registry.Role
+    catalogue: registry.Kind
     name: str
     mixed: bool
     shape: Shape | None = None
@@ -43,8 +45,7 @@ class Part:
     @property
     def strategy(self) -> Any:
         """Give the class with its hooks."""
-        where: Any = self.kind if self.role == "strategy" else "avoidance"
-        return registry.load(where, self.name)
+        return registry.load(self.catalogue, self.name)
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Frame:
         return cls(
             dim=world.dim,
             boundary=world.boundary,
-            wrap_sight=world.boundary == "periodic" and world.wrap_sight,
+            wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
             contact=world.contact,
             verlet=world.scheme == "verlet",
             targeted=scenario.target.present,
@@ -118,29 +119,17 @@ class Structure:
             raise ScenarioError(f"batch: scenarios differ in {name} ({told}); run them one after the other")
         hunted = predator_count > 0
         parts = []
-        for kind, role in ROLES if hunted else ROLES[:2]:
-            chosen = [_chosen_parts(scenario, kind, role) for scenario in scenarios]
+        for same in zip(*(registry.roles(scenario) for scenario in scenarios), strict=True):
+            kind, role, catalogue, _ = same[0]
+            if kind == "predators" and not hunted:
+                continue
+            chosen = [registry.parts(catalogue, name) for *_, name in same]
             for name in sorted(set().union(*chosen)):
                 mixed = not all(name in each for each in chosen)
-                parts.append(Part(kind, role, name, mixed, _shape_of(scenarios, kind, role, name)))
+                users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
+                shape = network_columns.shape_of(users, kind) if role == "strategy" else None
+                parts.append(Part(kind, role, catalogue, name, mixed, shape))
         return cls(frames.pop(), tuple(parts), hunted)
-
-
-def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
-    where: Any = kind if role == "strategy" else "avoidance"
-    return registry.parts(where, getattr(getattr(scenario, kind), role))
-
-
-def _shape_of(scenarios: Sequence[Scenario], kind: str, role: str, name: str) -> Shape | None:
-    """Give the shape of the networks that a strategy of several scenarios has. Errors: ScenarioError when they differ."""
-    users = [each for each in scenarios if name in _chosen_parts(each, kind, role)]
-    found = {network.shape for network in (each.network(kind) for each in users) if network is not None}
-    if role != "strategy" or not found:
-        return None
-    if len(found) > 1:
-        layers = " and ".join(sorted(f"{shape.inputs} {'-'.join(map(str, shape.layers))}" for shape in found))
-        raise ScenarioError(f"batch: networks differ in shape ({layers}); run them one after the other")
-    return found.pop()
 
 
 def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
@@ -246,7 +235,7 @@ class Layout:
             self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
         columns = [self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names]
         network = len(self.paths)
-        self.paths += self._network_paths(part)
+        self.paths += network_columns.paths_of(part.kind, part.name, part.shape)
         self._parts.append(
             SimpleNamespace(
                 part=part,
@@ -310,26 +299,13 @@ class Layout:
         for each in self._parts:
             part = each.part
             own = {name: numbers(f"{part.kind}.weights.{name}") for name in _numbers_of(each.strategy)}
-            on = np.array([float(part.name in _chosen_parts(scenario, part.kind, part.role)) for scenario in scenarios])
+            names = [getattr(getattr(scenario, part.kind), part.role) for scenario in scenarios]
+            on = np.array([float(part.name in registry.parts(part.catalogue, name)) for name in names])
             own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
             columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
             if part.shape is not None:
-                for path, column in zip(self._network_paths(part), self._networks(part, scenarios, networks), strict=True):
-                    columns[path] = column
+                columns |= network_columns.columns_of(part.kind, part.name, part.shape, scenarios, networks)
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
-
-    @staticmethod
-    def _network_paths(part: Part) -> list[str]:
-        return [f"{part.kind}.{part.role}:{part.name}.network.{k}" for k in range(part.shape.size if part.shape else 0)]
-
-    @staticmethod
-    def _networks(part: Part, scenarios: Sequence[Scenario], given: Mapping[str, np.ndarray] | None) -> np.ndarray:
-        """Give the weights of networks, [weight, row]: those given, or each scenario's own, zeros for one without."""
-        if given and part.kind in given:
-            return np.asarray(given[part.kind], np.float64).T
-        assert part.shape is not None
-        own = [each.network(part.kind) for each in scenarios]
-        return np.stack([np.zeros(part.shape.size) if one is None else one.weights for one in own], axis=1)
 
 
 def _numbers_of(strategy: Any) -> list[str]:

@@ -6,6 +6,7 @@ import taichi as ti
 
 from tiswarm.dynamics.table import Layout
 from tiswarm.simd.lanes import coordinates
+from tiswarm.space import box, box_lanes
 
 
 def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
@@ -19,7 +20,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     width = len(layout.paths)
     dim = layout.structure.frame.dim
     target_columns = [*at.target.place, at.target.radius]
-    periodic = layout.structure.frame.boundary == "periodic"
+    periodic = box.wraps(layout.structure.frame.boundary)
     wrap_sight = layout.structure.frame.wrap_sight
 
     def axes(*names: str) -> list[str]:
@@ -96,8 +97,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
         way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
         if ti.static(wrapped):
             for k in ti.static(range(dim)):
-                size = numbers[b * width + at.size[k]]
-                way[k] = way[k] - size * ti.floor(way[k] / size + 0.5)
+                way[k] = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
         return way
 
     @ti.func

@@ -10,7 +10,7 @@ import numpy as np
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.network import Network
-from tiswarm.strategies.registry import nearest
+from tiswarm.system.words import did_you_mean
 
 Scale = Literal["linear", "log", "whole"]
 
@@ -115,7 +115,7 @@ def split(over: Mapping[str, Any]) -> tuple[list[Range], list[Choice]]:
             raise ScenarioError(f"{path}: {given!r} is no range; use (low, high), (low, high, 'log'), or a list of choices")
         scale: Any = given[2] if len(given) == 3 else "whole" if path.endswith(WHOLE) else "linear"
         if scale not in get_args(Scale):
-            raise ScenarioError(f"{path}: unknown scale {scale!r}; {nearest(str(scale), list(get_args(Scale)))}")
+            raise ScenarioError(f"{path}: unknown scale {scale!r}; {did_you_mean(str(scale), list(get_args(Scale)))}")
         if path.endswith(WHOLE) and scale != "whole":
             raise ScenarioError(f"{path}: holds whole numbers, which have no {scale} scale; leave the scale out")
         ranges.append(Range(path, float(given[0]), float(given[1]), scale))
@@ -228,7 +228,7 @@ def _told(scenarios: Sequence[Scenario], path: str) -> str:
                 place = place.get(key) if isinstance(place, dict) else None
             if place is not None:
                 return f"is no number but {place!r}; give a list of choices, KEY=A,B"
-            return f"unknown key of {scenario.preset or scenario.title}; {nearest(path, list(numbers))}"
+            return f"unknown key of {scenario.preset or scenario.title}; {did_you_mean(path, list(numbers))}"
     return "is known to no combination of the choices"
 
 

@@ -12,7 +12,7 @@ from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
-from tiswarm.strategies.registry import nearest
+from tiswarm.system.words import did_you_mean
 
 Across = Literal["mean", "worst"]
 
@@ -84,7 +84,7 @@ class Objective:
         known = [*COUNTED, *scenario.measures.names]
         for name in (each.measure for each in self.terms):
             if name not in known:
-                hint = f"{nearest(name, known)}; others need --set 'measures.names=[\"{name}\"]'"
+                hint = f"{did_you_mean(name, known)}; others need --set 'measures.names=[\"{name}\"]'"
                 raise ScenarioError(f"objective: no measure '{name}' in {scenario.preset or scenario.title}; {hint}")
 
     def of(self, results: Results) -> np.ndarray:

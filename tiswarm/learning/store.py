@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.records.results import manifest, write_text
+from tiswarm.records.manifest import manifest
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime
 from tiswarm.studies.store import code_hash
-from tiswarm.system.files import check_writable, replacing
+from tiswarm.system.files import check_writable, replacing, write_text
 
 MANIFEST = "manifest.json"
 

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.engine.trials.batch import simulate_many
+from tiswarm.engine.run import simulate_many
 from tiswarm.learning.keys import Arm, json_of
 from tiswarm.learning.objective import Across, Objective
-from tiswarm.records.results import Estimate, write_text
-from tiswarm.scenario.model import Scenario, overridden
+from tiswarm.records.results import Estimate
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.overrides import overridden
+from tiswarm.system.files import write_text
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ import taichi as ti
 from tiswarm.simd.runtime import LANES
 
 # Streams are keyed by purpose: two strategies under the same seed meet the same obstacles and starts.
-PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS, PREDATOR_STRATEGY = 1, 2, 3, 4, 5, 6, 7, 8
+PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS, CENTRES = 1, 2, 3, 4, 5, 6, 7, 8
+PREDATOR_STRATEGY = 9
 
 _ROUNDS = 10
 

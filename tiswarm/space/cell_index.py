@@ -9,6 +9,7 @@ import taichi as ti
 
 from tiswarm.simd.lanes import larger, smaller
 from tiswarm.simd.runtime import LANES
+from tiswarm.space.box_lanes import adjacent
 from tiswarm.space.cells import COUNT_X, MASK, PER_METRE, PERIOD, STRIDE_Y
 
 FAR_CELL = 2.0**29
@@ -84,9 +85,7 @@ def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool,
     def across(difference, axis: ti.template(), reals: ti.template()):
         """Give the difference of two coordinates to the nearest image along a narrow axis; elsewhere images are walked."""
         if ti.static(narrow[axis]):
-            period = ti.cast(reals[PERIOD + axis], real)
-            difference = ti.select(difference > 0.5 * period, difference - period, difference)
-            difference = ti.select(difference < -0.5 * period, difference + period, difference)
+            difference = adjacent(difference, ti.cast(reals[PERIOD + axis], real))
         return difference
 
     return SimpleNamespace(

@@ -9,7 +9,7 @@ import taichi as ti
 from tiswarm.simd import runtime
 from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES, TASK
-from tiswarm.space import cell_index, counting_sort, traversal
+from tiswarm.space import box, cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
     CELLS,
     CHUNKS,
@@ -128,16 +128,21 @@ class Grid:
         agents = self.agents[self.total :].reshape(self.trials, self.slots, -1)
         agents[...] = 0
         agents[:, : self.count, : 2 * dimensions] = np.where(gone[..., None], 0, state)
-        if self.space.boundary == "periodic":
-            wrapped = agents[:, : self.count, :dimensions] % np.asarray(self.space.size, agents.dtype)
-            wrapped[wrapped >= np.asarray(self.space.size, agents.dtype)] = 0
-            agents[:, : self.count, :dimensions] = wrapped
+        period = box.period(self.space.size, self.space.boundary).astype(agents.dtype)
+        agents[:, : self.count, :dimensions] = box.wrap(agents[:, : self.count, :dimensions], period)
         self.whole[HEAD + 2 * self.total : HEAD + 3 * self.total] = np.tile(np.arange(self.slots, dtype=np.int32), self.trials)
         here = np.zeros((self.trials, self.slots), np.int32)
         here[:, : self.count] = ~gone
         self.whole[HEAD : HEAD + self.total] = here.ravel()
         self.funcs.find(self.agents, self.whole, self.reals, self.total)
         self.sort()
+
+    def show(self, told: np.ndarray) -> None:
+        """Write what agents show beyond position and velocity: [trial, agent, number], by their numbers."""
+        agents = self.agents[: self.total].reshape(self.trials, self.slots, -1)
+        every = np.zeros((self.trials, self.slots, told.shape[-1]))
+        every[:, : self.count] = told
+        agents[..., 2 * self.space.dimensions :] = np.take_along_axis(every, self.numbers[..., None].astype(np.int64), axis=1)
 
     def sort(self) -> None:
         """Bring the moved agents into cell order: their places in the table are known."""
@@ -164,7 +169,7 @@ _built: dict[tuple[Any, ...], SimpleNamespace] = {}
 def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
-    key = (runtime.generation(), space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
+    key = (runtime.generation(), space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
     if key not in _built:
         _built[key] = _build(runtime.types(), *key[1:])
     return _built[key]

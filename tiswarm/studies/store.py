@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.records.results import manifest, write_text
+from tiswarm.records.manifest import manifest
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
 from tiswarm.strategies import registry
 from tiswarm.studies.design import Cell
-from tiswarm.system.files import check_writable, replacing
+from tiswarm.system.files import check_writable, replacing, write_text
 
 MANIFEST = "manifest.json"
 
@@ -155,9 +155,7 @@ def code_hash(scenarios: Sequence[Scenario]) -> str:
     files = {file for package in _OUTCOMES for file in (root / package).rglob("*.py") if file.parent not in behaviours}
     files |= {folder / "__init__.py" for folder in behaviours}
     for scenario in scenarios:
-        chosen: list[tuple[registry.Kind, str]] = [("prey", scenario.prey.strategy), ("predators", scenario.predators.strategy)]
-        chosen += [("avoidance", scenario.prey.avoidance), ("avoidance", scenario.predators.avoidance)]
-        for kind, name in chosen:
+        for _, _, kind, name in registry.roles(scenario):
             files |= {_file(kind, part) for part in registry.parts(kind, name)}
     hashes = sorted(sha256(file.read_bytes()).hexdigest() for file in files)
     return sha256("".join(hashes).encode()).hexdigest()[:16]

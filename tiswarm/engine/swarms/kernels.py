@@ -10,11 +10,13 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics import steering
+from tiswarm.dynamics.integrator import drifted
 from tiswarm.dynamics.table import Layout
 from tiswarm.engine.swarms import transfer
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.simd.lanes import Together, motion, place
 from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 # What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
@@ -33,7 +35,11 @@ def build(
     uniform: Any,
     mortal: bool,
 ) -> SimpleNamespace:
-    """Build the kernels move_prey, move_predators, drift, begin, remember, average, order, and `plain` ones for prey alone."""
+    """Build the kernels of a tick, and what the host asks about them: whether prey have memory to begin with or to update.
+
+    move_prey, move_predators, drift_prey, drift_predators, face (predators), begin, remember (prey), average, rank; move_plain
+    and run_plain, for prey that meet nobody but each other.
+    """
     lanes, integers, real = types.lanes, types.integer_lanes, types.real
     dim, frame = len(layout.axes), layout.structure.frame
     driven = steering.build(layout, types, see, senses, uniform)
@@ -70,9 +76,9 @@ def build(
         @ti.func
         def move_block(
             crowds: ti.template(), scratch: ti.template(), a, numbers: ti.template(), means: ti.template(), block, count,
-            prey_count, clock: ti.template(),
+            prey_count, clock: ti.template(), rows: ti.template(),
         ):  # fmt: skip
-            """Move a block of agents; slots without one are written, too, for the sort."""
+            """Move a block of agents; slots without one are written, too, for the sort. rows: its grid's, see cell_list.py."""
             crowd = crowds.of(kind)
             trial = block * LANES // crowd.whole[SLOTS]
             end = end_of(crowd, alive_end, block)
@@ -88,7 +94,7 @@ def build(
                 drive_one(here, draw, scratch, a, me, numbers, 0, swarm, target)
                 step_of.commit(scratch, a, numbers, 0)
                 ferry.save_rows(scratch, a, crowd, count, block, end)
-            save(scratch, a, crowd, block, end)
+            save(scratch, a, crowd, rows, block, end)
 
         return move_block
 
@@ -112,12 +118,10 @@ def build(
                 if index % TASK == 0:
                     chunk = index // TASK
                     prey = Together(
-                        agents=prey_agents, whole=prey_whole, rows=moving_rows, reals=prey_reals, cold=prey_cold,
-                        order=prey_order,
+                        agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, order=prey_order,
                     )  # fmt: skip
                     predators = Together(
-                        agents=predator_agents, whole=predator_whole, rows=moving_rows, reals=predator_reals,
-                        cold=predator_cold,
+                        agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold,
                     )  # fmt: skip
                     obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
                     crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
@@ -127,41 +131,45 @@ def build(
                     for block in range(begin, end):
                         move_block(
                             crowds, scratch, chunk * deep, numbers, means, block, count, prey_count, clock,
+                            moving_rows,
                         )  # fmt: skip
 
         return move
 
     @ti.func
-    def plain_block(prey: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, block):
-        """Move a block of prey that meet nobody but each other."""
+    def plain_block(
+        prey: ti.template(), rows: ti.template(), scratch: ti.template(), numbers: ti.template(), means: ti.template(),
+        clock: ti.template(), chunk, block,
+    ):  # fmt: skip
+        """Move a block of prey that meet nobody but each other, and have no cold rows to be found by their count."""
         crowds = Together(prey=prey, predators=0, obstacles=0)
-        a = chunk * deep
-        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, prey.whole)
+        move_prey_block(crowds, scratch, chunk * deep, numbers, means, block, 0, 0, clock, rows)
 
     @ti.kernel
     def move_plain(
         agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
-        scratch: flat, numbers: flat,
+        scratch: flat, numbers: flat, means: cold_array, clock: whole_array,
     ):  # fmt: skip
         for index in range(LOOP):
             if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+                prey = Together(agents=agents, whole=whole, reals=reals)
                 begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    plain_block(prey, scratch, numbers, index // TASK, block)
+                    plain_block(prey, rows, scratch, numbers, means, clock, index // TASK, block)
 
     @ti.kernel
     def run_plain(
         agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
-        scratch: flat, numbers: flat, ticks: ti.i32,
+        scratch: flat, numbers: flat, means: cold_array, clock: whole_array, ticks: ti.i32,
     ):  # fmt: skip
         """Run many ticks on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(ticks):
-            prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+            prey = Together(agents=agents, whole=whole, reals=reals)
             for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
-                plain_block(prey, scratch, numbers, 0, block)
+                plain_block(prey, rows, scratch, numbers, means, clock, 0, block)
             near.prey.arrange(agents, whole)
+            clock[AGE] = clock[AGE] + 1
 
     def revises(kind: str, revise):
         """Build a kernel that lets `revise` change what agents of a kind remember."""
@@ -214,14 +222,12 @@ def build(
             total = whole[SLOTS] * whole[TRIALS]
             for slot in range(total):
                 trial = slot // whole[SLOTS]
-                half = 0.5 * numbers[layout.at.dt][0]
+                step = numbers[layout.at.dt][0]
                 moved = agents[slot]
                 for k in ti.static(range(dim)):
-                    moved[k] += half * moved[dim + k]
-                    if ti.static(frame.boundary == "periodic"):
-                        size = numbers[layout.at.size[k]][0]
-                        moved[k] = moved[k] - size * ti.floor(moved[k] / size)
-                        moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
+                    moved[k] = drifted(moved[k], moved[dim + k], step)
+                    if ti.static(box.wraps(frame.boundary)):
+                        moved[k] = box_lanes.wrap(moved[k], numbers[layout.at.size[k]][0])
                 place = whole[CELLS] - 1
                 if slot < funcs.alive_end(whole, trial):
                     place = funcs.place_of(moved, whole, reals)
@@ -293,5 +299,4 @@ def build(
         rank=rank,
         starts=driven.starts or "prey" in frame.unicycles,
         remembers=driven.remembers,
-        wide={kind: carried[kind].wide for kind in carried},
     )

@@ -20,7 +20,9 @@ FAR = 1e15
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: SimpleNamespace) -> SimpleNamespace:
-    """Build gather (kind -> func), heed, chase, blocked, look; cross (func -> walk through another crowd); me_of and mate_of.
+    """Build gather, flocked, me_of and mate_of (kind -> func), heed, chase, blocked, look and obstacle_of.
+
+    away_in: kind -> func that gives the way from its agent in a slot; crosses: kind, func -> walk through that crowd.
 
     near: prey, predators, obstacles -> the funcs of their grids.
     here: prey, predators, obstacles (crowds), numbers; trial; block and end of the agents who look, in slots of their crowd;

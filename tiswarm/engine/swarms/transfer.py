@@ -35,7 +35,10 @@ def scratch_rows(layout: Layout) -> int:
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, kind: str, mortal: bool):
-    """Build load, save_rows, save_record and blocks_of for agents of a kind."""
+    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind.
+
+    wide: how many cold rows an agent has.
+    """
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows
     kept = kept_rows(layout, kind, mortal=mortal)
@@ -89,10 +92,10 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: 
 
     def saves(near: SimpleNamespace):
         @ti.func
-        def save_moved(scratch: ti.template(), a, crowd: ti.template(), block, end):
+        def save_moved(scratch: ti.template(), a, crowd: ti.template(), rows: ti.template(), block, end):
             """Write a block's moved agents behind those in cell order, with their places in the table."""
             told = [scratch[a + row] for row in ti.static(told_rows)]
-            near.put(crowd.agents, crowd.whole, crowd.rows, crowd.reals, told, block, end)
+            near.put(crowd.agents, crowd.whole, rows, crowd.reals, told, block, end)
 
         return save_moved
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics import contact, spawn, views
+from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import (
     AGE,
     ALIVE_COUNT,
@@ -23,7 +23,7 @@ from tiswarm.dynamics.table import (
     Layout,
     Structure,
 )
-from tiswarm.engine.trials import tick
+from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
 from tiswarm.simd.runtime import LANES, TASK
@@ -54,8 +54,8 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
     layout = Layout(structure, types.lanes)
     see = views.build(layout, types)
     starts = spawn.build(layout, types)
-    judge = contact.build(layout, types, see).judge
-    moves_of = tick.build(layout, types, see, starts.uniform)
+    meetings = contacts.build(layout, types, see)
+    moves_of = tick.build(layout, types, see, starts.uniform, meetings.bounce)
     measures = running.build(layout, types, see)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
@@ -143,7 +143,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
                     if clock[b, ON].max() < 0.5:
                         running = 0
                     else:
-                        judge(prey, predators, obstacles, numbers, clock, b, counts)
+                        meetings.judge(prey, predators, obstacles, numbers, clock, b, counts)
                         measures.measure(prey, numbers, clock, sums, ground, b, counts)
                         if left == 0:
                             running = 0

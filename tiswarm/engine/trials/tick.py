@@ -9,7 +9,7 @@ from tiswarm.dynamics.table import AGE, TICK, TRIAL, Layout
 from tiswarm.simd.lanes import Together, anywhere
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform) -> SimpleNamespace:
+def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform, bounce) -> SimpleNamespace:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes, integers = types.lanes, types.integer_lanes
     at, rows = layout.at, layout.rows
@@ -79,7 +79,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         for i in range(counts[0]):
             steps.prey.commit(prey, (b * counts[0] + i) * prey_rows, numbers, b)
         if ti.static(frame.contact == "bounce"):
-            steps.bounce(prey, numbers, b, counts[0])
+            bounce(prey, numbers, b, counts[0])
         if ti.static(driven.remembers):
             remember(prey, numbers, b, counts[0])
 

@@ -37,7 +37,7 @@ def board_rows(dim: int) -> SimpleNamespace:
     }
     begins = np.cumsum([0, *sizes.values()]).tolist()
     at = SimpleNamespace(**dict(zip([*sizes, "points"], begins, strict=True)), fixed=begins[-1])
-    at.label, at.alive, at.draft, at.weight, at.place, at.kept = 0, 1, 2, 3, 4, 4 + dim
+    at.label, at.alive, at.draft, at.weight, at.drawn, at.place, at.kept = 0, 1, 2, 3, 4, 5, 5 + dim
     at.each = at.kept + MOST
     return at
 
