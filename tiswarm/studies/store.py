@@ -85,7 +85,7 @@ class Ledger:
             self.about |= {key: held[key] for key in ("wall_time_s",) if key in held}
             sweep(self.folder / "cells")
             return
-        for file in (self.folder / "cells").glob("*.npz"):
+        for file in (self.folder / "cells").glob("[0-9]*.npz"):
             file.unlink(missing_ok=True)
         sweep(self.folder / "cells")
         self.write()
