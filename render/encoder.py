@@ -6,7 +6,6 @@ The only file that knows it. It comes with imageio-ffmpeg; that package's own wr
 import os
 import queue
 import re
-import shutil
 import signal
 import subprocess
 import tempfile
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import IO
 
 from render.raster.framebuffer import Framebuffer
-from tiswarm.system.files import replacing
+from tiswarm.system.files import replacing, replacing_folder
 
 PLATES = 2
 """One is drawn on while the other is written. More would help nobody, for the encoder has a queue of its own; but they would
@@ -149,7 +148,7 @@ def encoder(
     """
     with ExitStack() as stack:
         try:
-            part = stack.enter_context(_replacing_folder(path) if form.folder else replacing(path))
+            part = stack.enter_context(replacing_folder(path) if form.folder else replacing(path))
             log = stack.enter_context(tempfile.TemporaryFile())
             # In a session of its own the encoder does not hear Ctrl-C: we end it, once, below.
             process = subprocess.Popen(
@@ -178,22 +177,6 @@ def encoder(
             process.wait()
         if process.returncode or reel.broken:
             raise FilmError(f"{path}: the encoder failed: {_reason(process.returncode, log)}")
-
-
-@contextmanager
-def _replacing_folder(path: Path) -> Iterator[Path]:
-    """Give a temporary folder beside `path` that becomes `path` at the end, or vanishes on any error."""
-    if path.exists() and (not path.is_dir() or any(path.iterdir())):
-        raise FileExistsError(17, "is there already and not an empty folder")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
-    try:
-        yield part
-        part.chmod(0o755)
-        part.replace(path)
-    except BaseException:
-        shutil.rmtree(part, ignore_errors=True)
-        raise
 
 
 def _command(part: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str]) -> list[str]:

@@ -7,7 +7,7 @@ import sys
 import time
 
 import tiswarm
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
 
 WORLDS = ("delft/centre-0", "delft/centre-10", "delft/pronav-0", "delft/pronav-10", "delft/cluster-0", "delft/cluster-10")

@@ -41,6 +41,7 @@ def bench(
     from tiswarm.studies import console, design, export, run
     from tiswarm.studies.payoffs import contest
     from tiswarm.system.files import write_text
+    from tiswarm.system.owner import locked
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
@@ -51,15 +52,16 @@ def bench(
     stated = design.load_study(study)
     folder = output or Path("out") / Path(study).stem
     overrides = dict(assignment(each) for each in sets or [])
-    with watching(not quiet, stated.measures) as (report_trials, finished):
-        report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
-    export.write(report, folder, per_trial, parquet)
-    played = contest(report)
-    if played is not None:
-        write_text(folder / "game.json", played.to_json())
-    can_draw = importlib.util.find_spec("matplotlib") is not None
-    if can_draw:
-        charts.draw(report, folder, played)
+    with locked(folder):
+        with watching(not quiet, stated.measures) as (report_trials, finished):
+            report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
+        export.write(report, folder, per_trial, parquet)
+        played = contest(report)
+        if played is not None:
+            write_text(folder / "game.json", played.to_json())
+        can_draw = importlib.util.find_spec("matplotlib") is not None
+        if can_draw:
+            charts.draw(report, folder, played)
     console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
         runs = sum(row.trials for row in report.rows)

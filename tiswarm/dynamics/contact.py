@@ -1,14 +1,28 @@
 """Contact: the rules of who dies, arrives and bounces, for one agent in lanes; whose turn it is, each engine's loops say."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import ARRIVED, CRASHED, Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, unit
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class ContactRules:
+    """The rules of contact, each for one agent in lanes."""
+
+    meet_obstacle: dict[str, Func]
+    crash: dict[str, Func]
+    touches: Func
+    die: Func  # take an agent out of the trial where `dies` is 1
+    arrive: Func
+    rebound: Func
+
+
+def build(layout: Layout, types: Types, see: Views) -> ContactRules:
     """Build meet_obstacle and crash (kind -> func), touches, die, arrive and rebound.
 
     Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`
@@ -105,7 +119,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         given = ti.select(touch & (closing < 0.0), closing, 0.0)
         return [given * line[k] for k in ti.static(range(dim))]
 
-    return SimpleNamespace(
+    return ContactRules(
         meet_obstacle={kind: meets_obstacle(kind) for kind in ("prey", "predators")},
         crash={"prey": crash_prey, "predators": crash_predator},
         touches=touches,

@@ -1,11 +1,12 @@
 """Integrator: from a course to the next state: drives, the step itself, and edges of the world."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
 from tiswarm.simd.lanes import cosine, dot, larger, place, safe, sine, smaller, unit
+from tiswarm.simd.runtime import Func
 from tiswarm.space import box, box_lanes
 
 
@@ -16,7 +17,27 @@ def drifted(place, rate, step):
     return place + half * rate
 
 
-def build(layout: Layout) -> SimpleNamespace:
+@dataclass(frozen=True)
+class KindSteps:
+    """The step of one kind of agents."""
+
+    limited: Func  # cap the speed; where there is a least speed, raise it to that
+    drift: Func  # half a step with the old velocity
+    face: Func  # let a unicycle that starts head where it moves, or along x when it stands
+    advance: Func  # write the next state down: p + v dt, or its second half under Verlet
+    commit: Func
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Steps of both kinds, and the turn near walls."""
+
+    wall_turn: Func  # turn away from walls that are nearer than the margin, by a fixed step of velocity
+    prey: KindSteps
+    predators: KindSteps
+
+
+def build(layout: Layout) -> Steps:
     """Build wall_turn, and for each kind limited, drift, face, advance and commit, one agent each."""
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
@@ -34,7 +55,7 @@ def build(layout: Layout) -> SimpleNamespace:
                 course[k] += ti.select(here < margin, step, 0.0)
                 course[k] += ti.select(here > numbers[n + at.size[k]] - margin, -1.0 * step, 0.0)
 
-    def kind_of(kind: str) -> SimpleNamespace:
+    def kind_of(kind: str) -> KindSteps:
         columns = getattr(at, kind)
         unicycle, slow = kind in frame.unicycles, kind in frame.slow
 
@@ -108,6 +129,6 @@ def build(layout: Layout) -> SimpleNamespace:
                 agents[a + rows.place[k]] = ti.select(here, to[k], agents[a + rows.place[k]])
                 agents[a + rows.motion[k]] = rate[k]
 
-        return SimpleNamespace(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
+        return KindSteps(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
 
-    return SimpleNamespace(wall_turn=wall_turn, prey=kind_of("prey"), predators=kind_of("predators"))
+    return Steps(wall_turn=wall_turn, prey=kind_of("prey"), predators=kind_of("predators"))

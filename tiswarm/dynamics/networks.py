@@ -9,6 +9,7 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout, Part
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import larger, smaller
 from tiswarm.strategies import neural
 
@@ -54,13 +55,13 @@ def forward(shape: ti.template(), numbers: ti.template(), first, agents: ti.temp
             agents[row + j] = total if ti.static(layer == len(shape.layers) - 2) else tanh(total)
 
 
-def build(layout: Layout, see: SimpleNamespace, senses: Any) -> dict[Part, Any]:
+def build(layout: Layout, see: Views, senses: Any) -> dict[Part, Any]:
     """Build a func for each networked part, which lets its network look and answer before anything steers an agent."""
     parts = [p for kind in ("prey", "predators") for p in layout.parts(kind, "strategy") if p.strategy.networked]
     return {p.part: _consult(p, len(layout.paths), see, senses) for p in parts}
 
 
-def _consult(p: SimpleNamespace, width: int, see: SimpleNamespace, senses: Any) -> Any:
+def _consult(p: SimpleNamespace, width: int, see: Views, senses: Any) -> Any:
     shape = p.part.shape
     look = neural.thesis_inputs if shape.inputs == "thesis" else neural.own_inputs
     answers = shape.scratch - shape.layers[-1]

@@ -1,6 +1,6 @@
 """Cell list: agents of one or many trials in cell order, so that neighbours are a few contiguous ranges."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,7 +8,7 @@ import taichi as ti
 
 from tiswarm.simd import runtime
 from tiswarm.simd.launch import prepared
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
     CELLS,
@@ -35,6 +35,8 @@ from tiswarm.space.cells import (
     Space,
     plan,
 )
+from tiswarm.space.counting_sort import Sorts
+from tiswarm.space.traversal import Traversal
 
 ALONE = 16_384
 """Up to so many agents are sorted by one thread: waking others takes longer."""
@@ -163,10 +165,30 @@ class Grid:
         return table[self.plan.cells - 1 :: self.plan.cells][: self.trials] - np.arange(self.trials) * self.slots
 
 
-_built: dict[tuple[Any, ...], SimpleNamespace] = {}
+@dataclass(frozen=True)
+class CellFuncs(Traversal, Sorts):
+    """The kernels and funcs for a kind of cell list, the types of its arrays, and what else its users ask."""
+
+    width: int  # numbers of an agent's record
+    record: Any
+    agent_array: Any
+    whole_array: Any
+    row_array: Any
+    real_array: Any
+    find: Func  # replace the marks of the moved agents by their places in the table
+    put: Func  # write a block's moved agents behind the sorted ones
+    hashed: bool  # whether the table has no end: an open world
+    periodic: bool
+    count_x: int  # the head's entry with the number of cells along x
+    across: Func  # the way between two coordinates, across a periodic edge where that is shorter
+    cells_of: Func
+    place_of: Func
 
 
-def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
+_built: dict[tuple[Any, ...], CellFuncs] = {}
+
+
+def funcs(space: Space, cut: Plan, extra: int = 0) -> CellFuncs:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
     key = (runtime.generation(), space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
@@ -175,9 +197,7 @@ def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
     return _built[key]
 
 
-def _build(
-    types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int
-) -> SimpleNamespace:
+def _build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int) -> CellFuncs:
     record, row = ti.types.vector(width, types.real), ti.types.vector(LANES, ti.i32)
     agent_array = ti.types.ndarray(dtype=record, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -212,7 +232,7 @@ def _build(
             state = [numbers[k] for numbers in ti.static(told)]
             agents[total + first + k] = record(state + [types.real(0.0)] * ti.static(width - len(told)))
 
-    return SimpleNamespace(
+    return CellFuncs(
         width=width,
         record=record,
         agent_array=agent_array,

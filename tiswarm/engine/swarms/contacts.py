@@ -1,22 +1,32 @@
 """Contacts: who of large swarms dies and arrives, and what the obstacles' fields do; the rules are dynamics/contact.py's."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.dynamics import contact
 from tiswarm.dynamics.table import CAPTURED, Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import transfer
 from tiswarm.engine.swarms.kernels import MOVED
+from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.simd.lanes import Together, anywhere, larger, place
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 
-def build(
-    layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, near: SimpleNamespace
-) -> SimpleNamespace:
+@dataclass(frozen=True)
+class ContactKernels:
+    """Kernels that judge a swarm's tick."""
+
+    judge: Func
+    cull_prey: Func
+    cull_predators: Func
+
+
+def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: Any) -> ContactKernels:
     """Build the kernel `judge`, and `cull` (kind -> kernel), which takes the dead out of the cells.
 
     A crowd is as in near_cells.py, with `cold` and `count` (how many agents a trial starts with) beside.
@@ -225,4 +235,4 @@ def build(
 
         return cull
 
-    return SimpleNamespace(judge=judge, cull_prey=culls("prey"), cull_predators=culls("predators"))
+    return ContactKernels(judge=judge, cull_prey=culls("prey"), cull_predators=culls("predators"))

@@ -4,7 +4,7 @@ A crowd (near_cells.py) has cold rows by number as well: see transfer.py. Means 
 up in their order, so that no bit depends on threads.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
@@ -12,10 +12,12 @@ import taichi as ti
 from tiswarm.dynamics import steering
 from tiswarm.dynamics.integrator import drifted
 from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import transfer
+from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.simd.lanes import Together, motion, place
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
@@ -26,15 +28,37 @@ PIECE = 128
 """Blocks whose sums are added up first: the order of summation does not depend on threads."""
 
 
+@dataclass(frozen=True)
+class TickKernels:
+    """What a tick launches, apart from contact; and whether what depends on strategies must run at all."""
+
+    move_prey: Func
+    move_predators: Func | None
+    move_plain: Func  # prey that meet nobody but each other
+    run_plain: Func  # the same for several ticks in one launch
+    begin: Func
+    face: Func
+    remember: Func
+    drift_prey: Func
+    drift_predators: Func
+    average: Func
+    rank: Func
+    starts: bool  # whether memory or headings begin with something
+    remembers: bool  # whether memory is revised after a move
+    ranks: bool  # whether somebody looks at agents by their number
+    averages: bool  # whether somebody looks at means of the whole swarm
+    scans: bool  # whether prey look at obstacles beyond their fields
+
+
 def build(
     layout: Layout,
-    types: SimpleNamespace,
-    see: SimpleNamespace,
-    senses: SimpleNamespace,
-    near: SimpleNamespace,
+    types: Types,
+    see: Views,
+    senses: CellSearch,
+    near: Any,
     uniform: Any,
     mortal: bool,
-) -> SimpleNamespace:
+) -> TickKernels:
     """Build the kernels of a tick, and what the host asks about them: whether prey have memory to begin with or to update.
 
     move_prey, move_predators, drift_prey, drift_predators, face (predators), begin, remember (prey), average, rank; move_plain
@@ -285,7 +309,8 @@ def build(
             if slot < near.prey.alive_end(whole, trial):
                 order[trial * count + carried["prey"].number_in(whole, slot)] = slot
 
-    return SimpleNamespace(
+    strategies = layout.parts("prey", "strategy")
+    return TickKernels(
         move_prey=kernel_of("prey", move_prey_block),
         move_predators=kernel_of("predators", move_predator_block) if layout.structure.hunted else None,
         move_plain=move_plain,
@@ -299,4 +324,7 @@ def build(
         rank=rank,
         starts=driven.starts or "prey" in frame.unicycles,
         remembers=driven.remembers,
+        ranks=any(p.strategy.leads for p in strategies) or bool(layout.parts("predators", "strategy", "observe")),
+        scans=any({"blocks", "look"} & set(p.own) for p in layout.parts("prey", "avoidance")),
+        averages=layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies),
     )

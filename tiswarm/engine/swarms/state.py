@@ -24,7 +24,7 @@ SMALL = 2_048
 
 ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
 
-_built: dict[tuple[Any, ...], SimpleNamespace] = {}
+_built: dict[tuple[Any, ...], "SwarmKernels"] = {}
 
 
 @dataclass
@@ -103,12 +103,12 @@ class Crowds:
         grid.place(position, velocity)
         return grid
 
-    def _built(self) -> SimpleNamespace:
+    def _built(self) -> "SwarmKernels":
         return _kernels(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self.mortal)
 
     def _begin(self) -> None:
         """Give memories their first values, and headings to unicycles."""
-        if self._kernels.starts:
+        if self._kernels.tick.starts:
             self._revise("begin", self._prey)
         if "predators" in self._layout.structure.frame.unicycles and self._layout.structure.hunted:
             self._revise("face", self._predators)
@@ -179,12 +179,12 @@ class Crowds:
     @property
     def _plain(self) -> bool:
         """Tell whether prey meet nobody but each other, look for nobody else and remember nothing."""
-        own, verlet = self._kernels, self._layout.structure.frame.verlet
+        own, verlet = self._kernels.tick, self._layout.structure.frame.verlet
         return not (self.mortal or self._prey.kept or verlet or own.averages or own.ranks or own.scans)
 
     def _tick(self) -> None:
         """Let the prey move, then the predators, then judge: as kernel.py does."""
-        own, verlet = self._kernels, self._layout.structure.frame.verlet
+        own, verlet = self._kernels.tick, self._layout.structure.frame.verlet
         hunted = self._layout.structure.hunted
         counts = (self._prey.grid.count, self._predators.grid.count)
         self._clock[kernels.AGE] = self.age
@@ -208,10 +208,14 @@ class Crowds:
         self.age += 1
         self._judge(1)
 
+    def _kernel(self, name: str) -> Any:
+        kind = self._kernels.contacts if name in ("judge", "cull_prey", "cull_predators") else self._kernels.tick
+        return getattr(kind, name)
+
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         """Run a kernel on arrays that stay where they are, and whole numbers behind them: the call is made ready once."""
         if name not in self._ready:
-            self._ready[name] = prepared(getattr(self._kernels, name), *arguments)
+            self._ready[name] = prepared(self._kernel(name), *arguments)
         self._ready[name](*(each for each in arguments if isinstance(each, int)))
 
     def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
@@ -232,7 +236,7 @@ class Crowds:
         grid.sort()
 
     def _average(self) -> None:
-        if self._kernels.averages:
+        if self._kernels.tick.averages:
             grid = self._prey.grid
             self._launch("average", grid.agents, grid.whole, self._sums, self._means)
 
@@ -294,7 +298,15 @@ def space_of(scenario: Scenario, kind: str) -> Space:
     return Space(tuple(world.size), boundary if box.bounded(boundary) or kind == "prey" else "walls")
 
 
-def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
+@dataclass(frozen=True)
+class SwarmKernels:
+    """All that large swarms of one structure launch; contacts: None where nobody dies or arrives."""
+
+    tick: kernels.TickKernels
+    contacts: contacts.ContactKernels | None
+
+
+def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
     key = (runtime.generation(), layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
@@ -303,15 +315,6 @@ def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleName
         see = views.build(layout, types)
         senses = near_cells.build(layout, types, see, near)
         uniform = spawn.build(layout, types).uniform
-        own = kernels.build(layout, types, see, senses, near, uniform, mortal)
-        own.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
-            "observe" in p.own for p in layout.parts("predators", "strategy")
-        )
-        strategies = layout.parts("prey", "strategy")
-        own.scans = any({"blocks", "look"} & set(p.own) for p in layout.parts("prey", "avoidance"))
-        own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
-        if mortal:
-            judging = contacts.build(layout, types, see, senses, near)
-            vars(own).update(vars(judging))
-        _built[key] = own
+        tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
+        _built[key] = SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)
     return _built[key]

@@ -1,6 +1,6 @@
 """Contacts: who of a block's trials dies, arrives and bounces; the rules are dynamics/contact.py's."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
@@ -18,10 +18,20 @@ from tiswarm.dynamics.table import (
     ON,
     Layout,
 )
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, larger, motion
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Contacts:
+    """The loops over who may touch whom."""
+
+    judge: Func
+    bounce: Func  # let prey that touch and approach each other bounce, pair by pair in a fixed order
+
+
+def build(layout: Layout, types: Types, see: Views) -> Contacts:
     """Build `judge`, and `bounce` for prey that collide without harm."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
@@ -143,4 +153,4 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
                         prey[a + rows.motion[k]] = motion(me)[k] - given[k]
                         prey[c + rows.motion[k]] = motion(mate)[k] + given[k]
 
-    return SimpleNamespace(judge=judge, bounce=bounce)
+    return Contacts(judge=judge, bounce=bounce)

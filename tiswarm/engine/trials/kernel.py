@@ -1,6 +1,5 @@
 """Kernel: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import taichi as ti
@@ -26,7 +25,7 @@ from tiswarm.dynamics.table import (
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Types
 
 OUTCOMES = {
     "alive": ALIVE_COUNT,
@@ -50,7 +49,7 @@ def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
     return _kernels[key]
 
 
-def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, tuple[int, int]]:
+def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, int]]:
     layout = Layout(structure, types.lanes)
     see = views.build(layout, types)
     starts = spawn.build(layout, types)

@@ -1,11 +1,13 @@
 """Lloyd: K-means as scikit-learn fits it, in lanes: greedy k-means++ starts, the best of ten, centres in the order drawn."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import anywhere, dot, larger, smaller
+from tiswarm.simd.runtime import Func, Types
 
 STARTS = 10
 """Starts of a fit, scikit-learn's default."""
@@ -23,7 +25,14 @@ BEYOND = 1e30
 """More than any squared distance within the world's limits [m²]."""
 
 
-def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, uniform) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Draw:
+    """The fit of one predator."""
+
+    draw: Func
+
+
+def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
     """Build `draw`, which works on rows of a board that begin at row r, once the prey's places are there.
 
     most: clusters that there may be. at: the first rows of middle (cluster * dim) and inertia (k - 1), and of the rows for each
@@ -182,4 +191,4 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
                     board[drawn + i] = ti.select(better, own, board[drawn + i])
                 unsettled = ti.select(found <= SAME * target, 0.0, unsettled)
 
-    return SimpleNamespace(draw=draw)
+    return Draw(draw=draw)
