@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -25,7 +26,10 @@ policies = [{ "prey.strategy" = "evasive", "prey.avoidance" = "kitchen-sink" }]
 [prey.over]
 "prey.goal" = [0.01, 1.0, "log"]
 [predators]
-policies = [{ "predators.strategy" = "centre", "predators.goal" = 0.0 }, { "predators.strategy" = "centre", "predators.goal" = 0.001 }]
+policies = [
+    { "predators.strategy" = "centre", "predators.goal" = 0.0 },
+    { "predators.strategy" = "centre", "predators.goal" = 0.001 },
+]
 [predators.over]
 "predators.goal" = [0.0001, 1.0, "log"]
 """
@@ -44,7 +48,7 @@ def test_predators_that_do_not_hunt_learn_to(rules, tmp_path, f32):
     assert hunting.accepted
     assert hunting.policy.changes["predators.goal"] > 0.001
     assert len(rounds[1].predators) == 3
-    assert rounds[1].solution.value < first.solution.value
+    assert zero_sum.solve(rounds[1].payoff[:1]).value < first.solution.value  # had the prey learned nothing meanwhile
     assert first.exploitability > 0
 
 
@@ -56,7 +60,7 @@ def test_the_matrix_is_what_trials_give_and_gains_are_told_on_it(rules, tmp_path
         for j, predators in enumerate(last.predators):
             alone = tiswarm.simulate(base.replaced({**prey.changes, **predators.changes}), 300, 0)
             assert last.payoff[i, j] == alone.success.mean()
-    for before, after in zip(rounds, rounds[1:], strict=False):
+    for before, after in pairwise(rounds):
         for answer in before.answers:
             if answer.accepted and answer.side == "predators":
                 column = [each.name for each in after.predators].index(answer.policy.name)

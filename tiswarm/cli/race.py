@@ -38,14 +38,10 @@ def run(rules: Rules, folder: Path, seed: int | None, trials: int | None, fresh:
 
 def print_rounds(rounds: list[Round]) -> None:
     """Print the value of each round, who plays what, and what both sides found against it."""
-    table = Table(
-        "round", "value", "prey play", "predators play", "prey gain", "predators gain", title="Rounds", title_justify="left"
-    )
+    heads = ("round", "value", "prey play", "predators play", "prey gain", "predators gain")
+    table = Table(*heads, title="Rounds", title_justify="left")
     for each in rounds:
-        gains = [
-            f"{a.gain.mean:+.4f} ± {(a.gain.high - a.gain.low) / 2:.4f}" + ("" if a.accepted else " (none)")
-            for a in each.answers
-        ]
+        gains = [_gain(answer) for answer in each.answers]
         low, high = each.value
         mixtures = [_mixture(each.prey, each.solution.rows), _mixture(each.predators, each.solution.columns)]
         table.add_row(str(each.number), f"{each.solution.value:.4f} ({low:.4f} to {high:.4f})", *mixtures, *gains)
@@ -55,6 +51,11 @@ def print_rounds(rounds: list[Round]) -> None:
             if answer.accepted:
                 words = ", ".join(f"{path.rpartition('.')[2]} {old:g} to {new:g}" for path, (old, new) in answer.moved.items())
                 out.print(f"round {each.number}, {answer.side}: {answer.policy.name} from {answer.start}: {words}")
+
+
+def _gain(answer: Any) -> str:
+    text = f"{answer.gain.mean:+.4f} ± {(answer.gain.high - answer.gain.low) / 2:.4f}"
+    return text if answer.accepted else f"{text} (none)"
 
 
 def _mixture(policies: tuple[Any, ...], shares: np.ndarray) -> str:
