@@ -18,6 +18,7 @@ from typing import IO
 
 from render.raster.framebuffer import Framebuffer
 from tiswarm.system.files import replacing, replacing_folder
+from tiswarm.system.words import reason
 
 PLATES = 2
 """One is drawn on while the other is written. More would help nobody, for the encoder has a queue of its own; but they would
@@ -160,7 +161,7 @@ def encoder(
                 start_new_session=True,
             )
         except OSError as error:
-            raise FilmError(f"{path}: cannot be written: {error.strerror or error}") from None
+            raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
         reel = Reel(blank)
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()

@@ -14,6 +14,7 @@ from render.encoder import FilmError, encoder, format_of
 from render.scene.background import Field
 from render.style import look_of
 from tiswarm.system.files import replacing
+from tiswarm.system.words import reason
 from tiswarm.version import __version__
 
 Progress = Callable[[int, int], None]
@@ -187,8 +188,8 @@ def _save(image: np.ndarray, path: Path) -> Path:
     try:
         with replacing(path) as part:
             Image.fromarray(image).save(part)
-    except (OSError, ValueError) as error:
-        raise FilmError(f"{path}: cannot be written: {error}") from None
+    except OSError as error:
+        raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
     return path
 
 

@@ -10,7 +10,16 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
+
+class _Output(Console):
+    """Standard output, whose reader may go away: rich would end the process with 1."""
+
+    def on_broken_pipe(self) -> None:
+        """Leave it to the caller."""
+        raise BrokenPipeError
+
+
+out = _Output(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
 
 Preset = Annotated[
     str, typer.Argument(metavar="PRESET", help="A preset's name (see 'tiswarm presets') or the path of a TOML file.")
