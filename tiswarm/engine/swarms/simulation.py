@@ -12,6 +12,7 @@ from tiswarm.engine.swarms.state import Crowds
 from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.records.recording import Swarm as Moment
+from tiswarm.records.terms import differences
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.simd import runtime
@@ -34,12 +35,20 @@ class Swarm(Crowds):
     """
 
     def __init__(
-        self, scenario: Scenario, seed: int = 0, trials: int = 1, trial: int = 0, start: Start | Paths | None = None
+        self,
+        scenario: Scenario,
+        seed: int = 0,
+        trials: int = 1,
+        trial: int = 0,
+        start: Start | Paths | None = None,
+        *,
+        terms: bool = False,
     ) -> None:
         """Draw the starts of `trials` trials from number `trial` on, the same as in a batch, or take an explicit one.
 
         start: one for all trials; or positions and velocities of prey alone, [trial, agent, dim] each, m and m/s, NaN for those
         who are not there: trials and agents are then counted there.
+        terms: whether `record` keeps what each term added to every velocity.
 
         Errors: ScenarioError for what needs the trials of few agents (`neighbours = "all-pairs"`); ValueError for numbers that
         are not finite.
@@ -60,7 +69,7 @@ class Swarm(Crowds):
             paths = ("prey.count", "predators.count", "obstacles.count")
             scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
         check(scenario)
-        layout = Layout(Structure.of([scenario], scenario.predators.count), runtime.types().lanes)
+        layout = Layout(Structure.of([scenario], scenario.predators.count, terms=terms), runtime.types().lanes)
         if isinstance(start, Start):
             states = initial.given(start, trials)
         else:
@@ -95,6 +104,14 @@ class Swarm(Crowds):
         }
         return {name: memory for name, memory in rows.items() if memory}
 
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [trial, agent, dim], m/s."""
+        crowd = self._crowds[kind]
+        return {
+            name: np.stack([crowd.row(row)[:, : crowd.grid.count] for row in rows], axis=-1).astype(np.float64)
+            for name, rows in self._layout.courses[kind].items()
+        }
+
     @property
     def obstacle_position(self) -> np.ndarray:
         """Give the centres of the first trial's obstacles: [obstacle, dim], m."""
@@ -117,16 +134,23 @@ class Swarm(Crowds):
 
     def record(self) -> Recording:
         """Run the first trial to its end and keep its path."""
-        paths = [
-            Moment(
-                np.stack([each.position for each in own]),
-                np.stack([each.velocity for each in own]),
-                own[-1].fate,
-                np.stack([each.state for each in own]),
-                np.stack([each.group for each in own]),
+        moments, courses = [], []
+        for both in self:
+            moments.append(both)
+            courses.append([{name: rows[0] for name, rows in self.courses(kind).items()} for kind in ("prey", "predators")])
+        paths = []
+        for number, own in enumerate(zip(*moments, strict=True)):
+            velocity = np.stack([each.velocity for each in own])
+            paths.append(
+                Moment(
+                    np.stack([each.position for each in own]),
+                    velocity,
+                    own[-1].fate,
+                    np.stack([each.state for each in own]),
+                    np.stack([each.group for each in own]),
+                    differences(velocity, [both[number] for both in courses[1:]]) if self._layout.structure.terms else {},
+                )
             )
-            for own in zip(*self, strict=True)
-        ]
         return Recording(self.scenario, self.seed, self.trial, *paths, self.obstacle_position, self.obstacle_radius)
 
     def __iter__(self) -> Iterator[tuple[Moment, Moment]]:

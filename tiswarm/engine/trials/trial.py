@@ -12,6 +12,7 @@ from tiswarm.engine.trials.batch import Blocks
 from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.records.recording import Swarm as Path
+from tiswarm.records.terms import differences
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.strategies import registry
@@ -20,8 +21,8 @@ from tiswarm.strategies import registry
 class Single:
     """A trial that pauses after every tick."""
 
-    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
-        """Draw the start from seed and trial number, or take an explicit one."""
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None, *, terms: bool = False) -> None:
+        """Draw the start from seed and trial number, or take an explicit one. terms: for `courses`."""
         trial, seed = index(trial), index(seed)
         if not 0 <= trial < 1 << 31:
             raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
@@ -31,7 +32,7 @@ class Single:
             scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
         self.scenario = scenario
         self.seed = seed
-        self._blocks = Blocks([scenario], 1)
+        self._blocks = Blocks([scenario], 1, terms=terms)
         surveying = self._blocks.layout.parts("predators", "strategy", "survey")
         self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
@@ -147,6 +148,11 @@ class Single:
         rows = self._agents(kind)
         return {p.part.name: {name: rows[row].copy() for name, row in zip(p.memory, p.memory_rows, strict=True)} for p in parts}
 
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [agent, dim], m/s."""
+        rows = self._agents(kind)
+        return {name: rows[places].T.astype(np.float64) for name, places in self._blocks.layout.courses[kind].items()}
+
     def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
         """Give the obstacles' centres and radii: [obstacle, dim] and [obstacle], m."""
         rows = self._obstacles().astype(np.float64)
@@ -162,19 +168,23 @@ class Single:
         self._advance(0)  # the fields at the new places
 
 
-def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None) -> Recording:
+def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None, *, terms: bool = False) -> Recording:
     """Run one trial and keep its path: the same bits as in a batch of any size.
 
     start: an explicit start state; counts then come from it, not from the scenario.
+    terms: keep what each term added to every velocity, too (`recording.prey.terms`); no bit of the path depends on it.
     """
     if by_grid(scenario):
-        return Swarm(scenario, seed, 1, trial, start).record()
-    single = Single(scenario, seed, trial, start)
+        return Swarm(scenario, seed, 1, trial, start, terms=terms).record()
+    single = Single(scenario, seed, trial, start, terms=terms)
     rows: dict[str, list[Any]] = {"prey": [], "predators": []}
+    courses: dict[str, list[dict[str, np.ndarray]]] = {"prey": [], "predators": []}
 
     def note() -> None:
         for kind, kept in rows.items():
             kept.append((single.position(kind), single.velocity(kind), single.memory(kind), single.groups(kind)))
+            if terms and len(kept) > 1:
+                courses[kind].append(single.courses(kind))
 
     note()
     while not single.ended:
@@ -189,7 +199,7 @@ def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | Non
         both = zip(position, positions[other], rows[kind], strict=True)
         state = np.stack([named(single.scenario, kind, own, others, row[2]) for own, others, row in both])
         group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
-        swarms[kind] = Path(position, velocity, single.fate(kind), state, group)
+        swarms[kind] = Path(position, velocity, single.fate(kind), state, group, differences(velocity, courses[kind]))
     centres, radii = single.obstacles()
     return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
 
