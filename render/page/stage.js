@@ -220,6 +220,11 @@ export class Stage {
 
   _listen() {
     new Pointers(this);
+    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      this.painter = WebGlPainter.on(this.canvas) ?? this.painter;
+      this.stale = true;
+    });
     this.canvas.addEventListener(
       "wheel",
       (event) => {
