@@ -157,7 +157,7 @@ export function drawLooked(view, agent, hues) {
   if (!terms) return;
   const longest = Math.max(...terms.parts.map(({ way }) => Math.hypot(...way)), Math.hypot(...terms.sum));
   if (!(longest > 0)) return;
-  const scale = (ARROW * unit) / longest;
+  const scale = Math.max(ARROW * unit, 4 * size) / longest;
   const screen = (/** @type {number[]} */ way) => (lens instanceof Orbit ? tilted(lens, way) : [way[0], -way[1]]);
   let [tx, ty] = [x, y];
   terms.parts.forEach(({ name, way }, n) => {
