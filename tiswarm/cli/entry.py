@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import warnings
 from typing import Annotated, NoReturn
 
 import typer
@@ -29,6 +30,7 @@ for _verb in (presets, show, run, film, demo, bench, speed):
 def main() -> NoReturn:
     """Run the command line: exit code 0, 2 for wrong input, 1 for a fault, 130 for Ctrl-C; never a traceback."""
     listen_for_interrupts()
+    warnings.formatwarning = lambda message, *_: f"tiswarm: {message}\n"
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # an exception, so that half-written files are cleaned up
     try:
         code = app(standalone_mode=False)

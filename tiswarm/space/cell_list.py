@@ -1,13 +1,11 @@
 """Cell list: agents of one or many trials in cell order, so that neighbours are a few contiguous ranges."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import taichi as ti
 
-from tiswarm.simd import runtime
-from tiswarm.simd.launch import prepared
+from tiswarm.simd import launch, runtime
 from tiswarm.simd.runtime import LANES, TASK
 from tiswarm.space import cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
@@ -60,7 +58,7 @@ class Grid:
         """
         types = runtime.types()
         settings = runtime.start()
-        self.space, self.count, self.trials = space, count, trials
+        self.space, self.count, self.trials, self.precision = space, count, trials, settings.precision
         self.slots = -(-max(count, 1) // LANES) * LANES
         self.plan = plan(space, reach, count, float(np.finfo(types.dtype).eps))
         self.total = self.slots * trials
@@ -98,9 +96,9 @@ class Grid:
         self.reals[PER_METRE : PER_METRE + space.dimensions] = self.plan.per_metre
         self.reals[PERIOD : PERIOD + space.dimensions] = space.size
         if self.chunks == 1:
-            self._sort = prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows)
+            self._sort = launch.prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows)
         else:
-            self._sort = prepared(self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK)
+            self._sort = launch.prepared(self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK)
 
     @property
     def nbytes(self) -> int:
@@ -136,7 +134,7 @@ class Grid:
         here = np.zeros((self.trials, self.slots), np.int32)
         here[:, : self.count] = ~gone
         self.whole[HEAD : HEAD + self.total] = here.ravel()
-        self.funcs.find(self.agents, self.whole, self.reals, self.total)
+        launch.run(self.funcs.find, self.agents, self.whole, self.reals, self.total, precision=self.precision)
         self.sort()
 
     def sort(self) -> None:
@@ -158,16 +156,11 @@ class Grid:
         return table[self.plan.cells - 1 :: self.plan.cells][: self.trials] - np.arange(self.trials) * self.slots
 
 
-_built: dict[tuple[Any, ...], SimpleNamespace] = {}
-
-
 def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
-    key = (runtime.generation(), space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
-    if key not in _built:
-        _built[key] = _build(runtime.types(), *key[1:])
-    return _built[key]
+    kind = (space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
+    return runtime.kept(("grid", *kind), lambda: _build(runtime.types(), *kind))
 
 
 def _build(

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -22,8 +21,6 @@ SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
 
 ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
-
-_built: dict[tuple[Any, ...], SimpleNamespace] = {}
 
 
 @dataclass
@@ -255,20 +252,22 @@ def space_of(scenario: Scenario, kind: str) -> Space:
 def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
-    key = (runtime.generation(), layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
-    if key not in _built:
-        types = runtime.types()
-        see = views.build(layout, types)
-        senses = near_cells.build(layout, types, see, near)
-        uniform = spawn.build(layout, types).uniform
-        own = kernels.build(layout, types, see, senses, near, uniform, mortal)
-        own.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
-            "observe" in p.own for p in layout.parts("predators", "strategy")
-        )
-        strategies = layout.parts("prey", "strategy")
-        own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
-        if mortal:
-            judging = contacts.build(layout, types, see, senses, near)
-            vars(own).update(vars(judging))
-        _built[key] = own
-    return _built[key]
+    key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
+    return runtime.kept(key, lambda: _build(layout, near, mortal))
+
+
+def _build(layout: Layout, near: SimpleNamespace, mortal: bool) -> SimpleNamespace:
+    types = runtime.types()
+    see = views.build(layout, types)
+    senses = near_cells.build(layout, types, see, near)
+    uniform = spawn.build(layout, types).uniform
+    own = kernels.build(layout, types, see, senses, near, uniform, mortal)
+    own.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
+        "observe" in p.own for p in layout.parts("predators", "strategy")
+    )
+    strategies = layout.parts("prey", "strategy")
+    own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
+    if mortal:
+        judging = contacts.build(layout, types, see, senses, near)
+        vars(own).update(vars(judging))
+    return own

@@ -12,7 +12,7 @@ from tiswarm.engine.trials import kernel
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import LIMIT, Scenario
-from tiswarm.simd import philox, runtime
+from tiswarm.simd import launch, philox, runtime
 from tiswarm.simd.runtime import LANES
 from tiswarm.strategies import registry
 from tiswarm.system.progress import reporting
@@ -39,7 +39,7 @@ class Blocks:
     def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
         """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
         types = runtime.types()
-        self.blocks = blocks
+        self.blocks, self.precision = blocks, runtime.start().precision
         self.counts = counts or (
             max(scenario.prey.count for scenario in scenarios),
             max(scenario.predators.count for scenario in scenarios),
@@ -80,7 +80,8 @@ class Blocks:
         moves: int,
     ) -> None:
         """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
-        self.kernel(
+        launch.run(
+            self.kernel,
             self.prey,
             self.predators,
             self.obstacles,
@@ -99,6 +100,7 @@ class Blocks:
             *philox.seed_words(seed),
             self.blocks,
             moves,
+            precision=self.precision,
         )
 
 

@@ -39,15 +39,10 @@ OUTCOMES = {
 }
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
-_kernels: dict[tuple[int, Structure], tuple[Any, Layout, tuple[int, int]]] = {}
-
 
 def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
     """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
-    key = (runtime.generation(), structure)
-    if key not in _kernels:
-        _kernels[key] = _build(structure, runtime.types())
-    return _kernels[key]
+    return runtime.kept(("trials", structure), lambda: _build(structure, runtime.types()))
 
 
 def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, tuple[int, int]]:
