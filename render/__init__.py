@@ -8,6 +8,7 @@ _HOMES = {
     "frames": "films",
     "poster": "films",
     "sheet": "films",
+    "replay": "page.document",
     "Film": "films",
     "Field": "scene.background",
     "Live": "source",
@@ -32,12 +33,14 @@ __all__ = [
     "film",
     "frames",
     "poster",
+    "replay",
     "sheet",
 ]
 
 if TYPE_CHECKING:
     from render.encoder import QUALITIES, FilmError
     from render.films import Film, film, frames, poster, sheet
+    from render.page.document import replay
     from render.scene.background import Field
     from render.source import Live
     from render.style import OVERLAYS, Look

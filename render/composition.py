@@ -10,18 +10,19 @@ from render.captions.layout import Box, layout
 from render.captions.mosaic import Mosaic, beside, cells, labels_of
 from render.captions.panel import Panel
 from render.captions.strip import Strip
-from render.raster.framebuffer import Plate
+from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW
 from render.scene import background
 from render.scene.background import Field
 from render.scene.camera import Camera, Orbit, joint
-from render.scene.rigs import Operator, View, apparent, bounds, fitted, heights, operator
+from render.scene.rigs import Rig, View, apparent, bounds, fitted, heights, rig
 from render.scene.scene import Scene
 from render.source import Live, is_sky
 from render.style import Look
 from render.timeline import length, times
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
@@ -34,7 +35,7 @@ Starts are always shown."""
 Subject = Recording | Live | Sequence[Recording | Live]
 
 
-class Stage:
+class Composition:
     """What a film of one subject, or of several, shows."""
 
     def __init__(
@@ -71,7 +72,7 @@ class Stage:
             self._single(subject, size)
         else:
             self._several(subjects, size, labels or labels_of(subjects))
-        self._still = all(each.still for each in self.operators)
+        self._still = all(each.still for each in self.rigs)
         self._joint: Camera | None = None
         self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
@@ -87,9 +88,9 @@ class Stage:
         edges = np.array([(b.left, b.top, b.right, b.bottom) for b in self.boxes])
         edges = np.concatenate([np.floor(edges[:, :2]), np.ceil(edges[:, 2:])], axis=1)
         inner = edges.copy()
-        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             camera, extent = held.at(0.0), subject.scenario.world
-            if extent.boundary == "periodic" and held.still and not isinstance(camera, Orbit):
+            if box.wraps(extent.boundary) and held.still and not isinstance(camera, Orbit):
                 a, b = camera.place(np.array([(0, 0), extent.size[:2]], float))
                 inner[n, :2] = np.maximum(edges[n, :2], np.minimum(a, b))
                 inner[n, 2:] = np.minimum(edges[n, 2:], np.maximum(a, b))
@@ -103,7 +104,7 @@ class Stage:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
         return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
 
-    def frame(self, time: float, out: Plate) -> np.ndarray:
+    def frame(self, time: float, out: Framebuffer) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
         shapes = np.concatenate([self.scene.frame(time, self._camera(time), self._windows), self._captioned(time)])
         if self._still:
@@ -113,7 +114,7 @@ class Stage:
     def _camera(self, time: float) -> Camera:
         """Give the camera for all agents."""
         if self._joint is None or not self._still:
-            self._joint = joint([each.at(time) for each in self.operators], self.scene.paths.scene)
+            self._joint = joint([each.at(time) for each in self.rigs], self.scene.paths.scene)
         return self._joint
 
     def _captioned(self, time: float) -> np.ndarray:
@@ -126,7 +127,7 @@ class Stage:
     def _ground(self, time: float) -> np.ndarray:
         """Draw what stands still, as the cameras see it at a time."""
         grounds = []
-        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.operators, strict=True)):
+        for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             window = len(self.boxes) + n
             images = self._images(subject, held, time, self._windows[window])
             endless = len(images) > 1 or (not held.still and is_sky(subject) and not isinstance(images[0], Orbit))
@@ -137,10 +138,10 @@ class Stage:
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
 
     @staticmethod
-    def _images(subject: Recording | Live, held: Operator, time: float, window: np.ndarray) -> list[Camera]:
+    def _images(subject: Recording | Live, held: Rig, time: float, window: np.ndarray) -> list[Camera]:
         """Give a camera for each image of a world that can be seen: several where one follows through a periodic world."""
         camera, extent = held.at(time), subject.scenario.world
-        if held.still or extent.boundary != "periodic" or isinstance(camera, Orbit):
+        if held.still or not box.wraps(extent.boundary) or isinstance(camera, Orbit):
             return [camera]
         size, images = np.array(extent.size[:2], float), []
         for turn in ((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)):
@@ -156,7 +157,7 @@ class Stage:
         view = self._view(STRAY)
         plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
         self.boxes = [plan.stage]
-        self.operators = [operator(self._look, self.scene.paths, 0, view, plan.stage)]
+        self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
             self.caption = (Strip if plan.form == "strip" else Panel)(self.scene, plan, self._atlas)
 
@@ -168,7 +169,7 @@ class Stage:
         self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
         view = self._view(STRAY_TOGETHER)
         self.boxes, left = cells(size, len(subjects), (view.reach.width, view.reach.height), unit, aside)
-        self.operators = [operator(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
+        self.rigs = [rig(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
         # Labels stand right beside what is drawn, which seldom fills its cell both ways.
         shown = [_shown(view, box, left) for box in self.boxes]
         self.caption = Mosaic(self.scene, shown, labels, size, self._atlas, unit, aside * left)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from render.raster.framebuffer import Plate
+from render.raster.framebuffer import Framebuffer
 from tiswarm.system.files import replacing
 
 PLATES = 2
@@ -93,19 +93,19 @@ class FilmError(RuntimeError):
 class Reel:
     """The way of frames to the encoder: blank buffers out, drawn ones in."""
 
-    def __init__(self, blank: Callable[[], Plate]):
+    def __init__(self, blank: Callable[[], Framebuffer]):
         """Allocate the few plates that go round."""
         self.broken = False
-        self._drawn: queue.SimpleQueue[Plate | None] = queue.SimpleQueue()
-        self._spare: queue.SimpleQueue[Plate] = queue.SimpleQueue()
+        self._drawn: queue.SimpleQueue[Framebuffer | None] = queue.SimpleQueue()
+        self._spare: queue.SimpleQueue[Framebuffer] = queue.SimpleQueue()
         for _ in range(PLATES):
             self._spare.put(blank())
 
-    def blank(self) -> Plate:
+    def blank(self) -> Framebuffer:
         """Take a plate to draw on; wait for one while the encoder is behind."""
         return self._spare.get()
 
-    def put(self, frame: Plate) -> None:
+    def put(self, frame: Framebuffer) -> None:
         """Hand a drawn frame to the encoder."""
         if self.broken:
             raise _Stopped
@@ -139,7 +139,7 @@ class _Stopped(Exception):
 
 @contextmanager
 def encoder(
-    path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str], blank: Callable[[], Plate]
+    path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str], blank: Callable[[], Framebuffer]
 ) -> Iterator[Reel]:
     """Run an encoder that writes `path`, fed with plates that `blank` allocates.
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from render.composition import Stage, Subject
+from render.composition import Composition, Subject
 from render.encoder import FilmError, encoder, format_of
 from render.scene.background import Field
 from render.style import look_of
@@ -73,7 +73,7 @@ def film(
     if not 1 <= fps <= form.fastest:
         raise ValueError(f"fps: {fps} is not possible; use 1 to {form.fastest}")
     checked_size(size, even=form.yuv)
-    stage = Stage(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
+    stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
     done, total = 0, stage.length(fps)
     with encoder(target, size, fps, form, _notes(stage), stage.canvas.blank) as reel:
         for time in stage.times(fps):
@@ -100,7 +100,7 @@ def frames(
     Errors: ValueError or TypeError for a choice that is not possible, at once.
     """
     checked_size(size, even=False)
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
     return (_image(stage, time, size) for time in stage.times(fps))
 
 
@@ -119,7 +119,7 @@ def poster(
     Errors: as `film`.
     """
     checked_size(size, even=False)
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
     if time is None and stage.is_live:
         raise ValueError("time: say at which tick; a live simulation does not know its liveliest moment beforehand")
     return _save(_image(stage, liveliest(stage) if time is None else time, size), Path(path))
@@ -143,7 +143,7 @@ def sheet(
     columns, rows = shape
     if columns < 1 or rows < 1:
         raise ValueError(f"shape: {columns}x{rows} is not possible; use 1 or more columns and rows")
-    stage = Stage(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
     last = stage.scene.paths.last
     gap = max(min(size) // 40, 2)
     paper = np.empty((rows * (size[1] + gap) + gap, columns * (size[0] + gap) + gap, 3), np.uint8)
@@ -154,7 +154,7 @@ def sheet(
     return _save(paper, Path(path))
 
 
-def liveliest(stage: Stage) -> float:
+def liveliest(stage: Composition) -> float:
     """Find the time [ticks] at which most has happened lately while most agents are still there."""
     paths = stage.scene.paths
     paths.reach(paths.last)  # from there all ends are known
@@ -177,7 +177,7 @@ def checked_size(size: tuple[int, int], *, even: bool) -> None:
         raise ValueError(f"size: {size[0]}x{size[1]} has an odd edge, which video cannot have; use {near}")
 
 
-def _image(stage: Stage, time: float, size: tuple[int, int]) -> np.ndarray:
+def _image(stage: Composition, time: float, size: tuple[int, int]) -> np.ndarray:
     return stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3)
 
 
@@ -192,7 +192,7 @@ def _save(image: np.ndarray, path: Path) -> Path:
     return path
 
 
-def _notes(stage: Stage) -> dict[str, str]:
+def _notes(stage: Composition) -> dict[str, str]:
     """Say in the film's metadata where it comes from."""
     recordings = stage.scene.subjects
     first = recordings[0]

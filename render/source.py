@@ -6,6 +6,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from tiswarm.records.recording import Recording, Swarm
+from tiswarm.space import box
 
 
 class Moment(Protocol):
@@ -89,4 +90,4 @@ def is_sky(subject: Recording | Live) -> bool:
     """Tell whether nothing in a world stands on a ground: no target, obstacle, area or wall."""
     world = subject.scenario.world
     bare = not target_of(subject) and not len(subject.obstacle_radius) and not world.areas
-    return bool(bare and world.boundary != "walls")
+    return bool(bare and not box.walled(world.boundary))

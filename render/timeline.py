@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from render.scene.trajectories import Motion
+from render.scene.trajectories import Trajectories
 from tiswarm.records.recording import Recording
 
 HOLD = 1.0
@@ -17,7 +17,7 @@ AROUND = 0.5
 """How long before and after a capture slow motion lasts, at full speed [s of film]."""
 
 
-def times(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> Iterator[float]:
+def times(paths: Trajectories, speed: float, fps: int, *, slow: bool = False) -> Iterator[float]:
     """Give the frames' times [ticks]; past the last tick the picture stands still and flashes fade.
 
     speed: ticks per second of film. slow: slow down around captures of prey, which only recordings know beforehand.
@@ -29,13 +29,13 @@ def times(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> Itera
     return _times(paths, speed, fps, slow)
 
 
-def length(paths: Motion, speed: float, fps: int, *, slow: bool = False) -> int:
+def length(paths: Trajectories, speed: float, fps: int, *, slow: bool = False) -> int:
     """Count the frames: for a live simulation, which may end early, the most there can be."""
     moving = len(_slowed(paths, speed, fps)) if slow else int(np.ceil(paths.last / speed * fps))
     return moving + max(round(HOLD * fps), 1)
 
 
-def _times(paths: Motion, speed: float, fps: int, slow: bool) -> Iterator[float]:
+def _times(paths: Trajectories, speed: float, fps: int, slow: bool) -> Iterator[float]:
     if slow:
         yield from _slowed(paths, speed, fps) * speed
     else:
@@ -48,7 +48,7 @@ def _times(paths: Motion, speed: float, fps: int, slow: bool) -> Iterator[float]
         yield (paths.last / speed + n / fps) * speed
 
 
-def _slowed(paths: Motion, speed: float, fps: int) -> np.ndarray:
+def _slowed(paths: Trajectories, speed: float, fps: int) -> np.ndarray:
     """List the times until the last tick [s at full speed]."""
     end, captures = paths.last / speed, _captures(paths) / speed
     steady = np.arange(0, end, 1 / (4 * fps))
@@ -57,7 +57,7 @@ def _slowed(paths: Motion, speed: float, fps: int) -> np.ndarray:
     return np.interp(np.arange(0, reached[-1], 1 / fps), reached, np.append(steady, end))
 
 
-def _captures(paths: Motion) -> np.ndarray:
+def _captures(paths: Trajectories) -> np.ndarray:
     """List the ticks at which prey of recordings are captured."""
     preys = [subject.prey for subject in paths.subjects if isinstance(subject, Recording)]
     ends = [np.isfinite(prey.position[:, prey.fate == "captured", 0]).sum(axis=0) for prey in preys]

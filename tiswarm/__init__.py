@@ -17,13 +17,15 @@ _HOMES = {
     "ScenarioError": "scenario.errors",
     "add_path": "strategies.registry",
     "Start": "scenario.start",
-    "simulate": "engine.trials.batch",
-    "record": "engine.trials.trial",
+    "simulate": "engine.run",
+    "record": "engine.run",
+    "Simulation": "engine.run",
     "Results": "records.results",
     "Estimate": "records.results",
     "compare": "records.results",
     "Recording": "records.recording",
     "Swarm": "engine.swarms.simulation",
+    "tune": "learning.tune",
 }
 
 __all__ = [
@@ -32,6 +34,7 @@ __all__ = [
     "Results",
     "Scenario",
     "ScenarioError",
+    "Simulation",
     "Start",
     "Swarm",
     "__version__",
@@ -41,12 +44,13 @@ __all__ = [
     "load",
     "record",
     "simulate",
+    "tune",
 ]
 
 if TYPE_CHECKING:
+    from tiswarm.engine.run import Simulation, record, simulate
     from tiswarm.engine.swarms.simulation import Swarm
-    from tiswarm.engine.trials.batch import simulate
-    from tiswarm.engine.trials.trial import record
+    from tiswarm.learning.tune import tune
     from tiswarm.records.recording import Recording
     from tiswarm.records.results import Estimate, Results, compare
     from tiswarm.scenario.errors import ScenarioError

@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from render.raster import faces
+
 OURS = "#0072B2"  # Okabe-Ito blue and vermilion: apart for every kind of colour vision, and in grey
 PUBLISHED = "#D55E00"
 INK = "#333333"
@@ -23,13 +25,17 @@ def sheet(
     size: width and height [inches].
     """
     import matplotlib as mpl
+    from matplotlib.font_manager import fontManager
 
     from tiswarm.system.files import replacing
 
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
+    for file in faces.FILES[1:]:
+        fontManager.addfont(faces.FOLDER / file)
     style: Any = {
+        "font.family": ["DejaVu Sans", "Noto Sans CJK SC"],
         "font.size": 9,
         "axes.edgecolor": INK,
         "text.color": INK,
@@ -41,7 +47,7 @@ def sheet(
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
         try:
             yield figure, axes
-            figure.suptitle(f"{title}\n{note}" if note else title, fontsize=11)
+            figure.suptitle("\n".join(faces.seen(line) for line in (title, note) if line), fontsize=11)
             with replacing(Path(path)) as part:
                 figure.savefig(part, dpi=DPI, format="png")
         finally:

@@ -11,6 +11,7 @@ import numpy as np
 from render.plots.figure import FAINT, GRID, INK, OURS, PUBLISHED, sheet
 from tiswarm.measures import recorded
 from tiswarm.records.recording import Recording, Swarm
+from tiswarm.space import box
 
 HUES = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#8A6D00")
 """Okabe and Ito's, yellow darkened to be seen on white: few prey have one each, so that they are found again in every plot."""
@@ -47,7 +48,7 @@ def draw(recordings: Sequence[Recording], folder: Path) -> list[Path]:
 def _paths(recording: Recording, what: str, unit: str, path: Path) -> Path:
     """Draw positions or velocities against time, a panel for each axis."""
     world = recording.scenario.world
-    wraps = world.boundary == "periodic" and what == "position"
+    wraps = box.wraps(world.boundary) and what == "position"
     prey, hunters = (_values(swarm, what, world.size if wraps else None) for swarm in (recording.prey, recording.predators))
     with _panels(recording, recording.dim, path) as axes:
         for k, axis in enumerate(axes):
@@ -57,7 +58,7 @@ def _paths(recording: Recording, what: str, unit: str, path: Path) -> Path:
             if hunters.shape[1]:
                 own = axis.plot(_time(recording), hunters[..., k], color=PUBLISHED, linewidth=0.8, alpha=0.6, zorder=1.5)
                 own[0].set_label("predator" if len(own) == 1 else "predators")
-            if what == "position" and world.boundary != "open":
+            if what == "position" and box.bounded(world.boundary):
                 axis.set_ylim(0, world.size[k])
             axis.set_ylabel(f"{'xyz'[k]} {what} [{unit}]")
     return path

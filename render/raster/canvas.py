@@ -3,7 +3,7 @@
 import numpy as np
 
 from render.raster.encode import AREA, LANES, TILE
-from render.raster.framebuffer import EVERYWHERE, Plate
+from render.raster.framebuffer import EVERYWHERE, Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
 from render.raster.painter import PLANES
@@ -36,10 +36,10 @@ class Canvas:
         self._empty = np.zeros((1, COLUMNS), np.float32)
         self._grounds = 0
 
-    def blank(self) -> Plate:
+    def blank(self) -> Framebuffer:
         """Allocate the bytes of one frame."""
         pixels = self.width * self.height
-        return Plate(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
+        return Framebuffer(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
 
     def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
         """Make the ground that frames start from: a colour (linear light) and shapes that stand still.
@@ -49,7 +49,7 @@ class Canvas:
         self._grounds += 1
         self._run(LAY, shapes, windows, self.blank(), colour)
 
-    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw shapes over the ground on a plate that `blank` allocated; return its bytes. windows: as in `lay`.
 
         Only what differs from what the plate shows is painted: a plate that is used again is faster than a new one.
@@ -60,7 +60,7 @@ class Canvas:
         out.ground = self._grounds
         return out.bytes
 
-    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Plate) -> np.ndarray:
+    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw all anew, a colour and shapes over it, where no ground stands still; return the plate's bytes."""
         self._run(WHOLE, shapes, windows, out, colour)
         out.ground = -1
@@ -72,7 +72,7 @@ class Canvas:
         tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
         return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
 
-    def _run(self, mode: int, shapes: np.ndarray, windows: np.ndarray | None, out: Plate, colour: Colour) -> None:
+    def _run(self, mode: int, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer, colour: Colour) -> None:
         windows = self._frame if windows is None else windows
         count, rows = len(shapes), shapes if len(shapes) else self._empty  # an empty array is no kernel argument
         edges = np.concatenate([windows, [[*colour, 0]]], dtype=np.float32)

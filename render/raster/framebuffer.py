@@ -6,7 +6,7 @@ EVERYWHERE = 0 + 8 * 9
 """A note of rows: the first pair of them, and nine times the pair past the last one; here all eight pairs of a tile."""
 
 
-class Plate:
+class Framebuffer:
     """The bytes of one frame, with a note of the rows of each tile in which they may differ from the ground."""
 
     def __init__(self, length: int, tiles: int):

@@ -1,31 +1,14 @@
-"""Set type: strings rasterised once by Pillow's FreeType into an atlas, from which the canvas draws them as sprites."""
+"""Glyphs: strings rasterised once by Pillow's FreeType into an atlas, from which the canvas draws them as sprites."""
 
-import unicodedata
 from functools import cache, lru_cache
-from typing import Any
 
 import numpy as np
 
+from render.raster import faces
 from render.raster.shapes import NONE, Colour, sprites
 
 WIDTH = 1024
 GAP = 1
-_PLAIN = str.maketrans({"–": "-", "—": "-", "−": "-", "×": "x", "→": "->", "²": "2", "≥": ">=", "≤": "<=", "ß": "ss"})
-
-
-@cache
-def plain(text: str) -> str:
-    """Replace what the built-in face cannot draw by the nearest plain letters."""
-    letters = unicodedata.normalize("NFKD", text.translate(_PLAIN))
-    return "".join(c for c in letters if not unicodedata.combining(c) and (" " <= c <= "~" or c in "·…°’“”"))
-
-
-@cache
-def _face(size: int) -> Any:
-    """Load Aileron, which Pillow carries within itself: the same letters on every machine, and no font file to ship."""
-    from PIL import ImageFont
-
-    return ImageFont.load_default(size)
 
 
 @lru_cache(4096)
@@ -33,28 +16,28 @@ def width(text: str, size: int, *, tabular: bool = False) -> int:
     """Measure a line of text [px]."""
     if tabular:
         return sum(_advance(each, size) for each in text)
-    return round(_face(size).getlength(plain(text)))
+    return round(faces.advance(faces.seen(text), size))
 
 
 @cache
 def _advance(letter: str, size: int) -> int:
-    """Measure a letter of tabular text."""
-    return round(_face(size).getlength(letter))
+    """Measure a letter of tabular text, as it is seen."""
+    return round(faces.advance(letter, size))
 
 
 def wrapped(text: str, size: int, room: int, lines: int) -> list[str]:
-    """Break text into at most `lines` lines that fit into `room` pixels; what is left over ends in an ellipsis."""
-    words = plain(text).split()
+    """Break text into one to `lines` lines that fit into `room` pixels; what is left over ends in an ellipsis."""
+    pieces = faces.breakable(text)
     out: list[str] = []
-    while words and len(out) < lines:
+    while pieces and len(out) < lines:
         taken = 1
-        while taken < len(words) and width(" ".join(words[: taken + 1]), size) <= room:
+        while taken < len(pieces) and width("".join(pieces[: taken + 1]).rstrip(), size) <= room:
             taken += 1
-        out.append(" ".join(words[:taken]))
-        words = words[taken:]
-    if words:
+        out.append("".join(pieces[:taken]).rstrip())
+        pieces = pieces[taken:]
+    if pieces:
         out[-1] += "…"
-    return [_shortened(line, size, room) for line in out]
+    return [_shortened(line, size, room) for line in out or [""]]
 
 
 def _shortened(line: str, size: int, room: int) -> str:
@@ -99,9 +82,12 @@ class Atlas:
         tabular: give all digits one width, so that a running number stands still.
         spacing: extra pixels between letters.
         """
-        text = plain(text)
+        text = faces.seen(text)
         pieces = list(text) if tabular or spacing else [text]
-        advances = [_advance(each, size) + spacing if len(pieces) > 1 or tabular else width(each, size) for each in pieces]
+        advances = [
+            _advance(each, size) + spacing if len(pieces) > 1 or tabular else round(faces.advance(each, size))
+            for each in pieces
+        ]
         total = sum(advances) - spacing
         x = round(at[0] - {"left": 0.0, "centre": 0.5, "right": 1.0}[align] * total)
         placed = []
@@ -121,9 +107,18 @@ class Atlas:
         if key not in self._known:
             from PIL import Image, ImageDraw
 
-            left, top, right, bottom = (int(v) for v in _face(size).getbbox(text, anchor="ls"))
+            pieces, pen = [], 0.0
+            for face, letters in faces.runs(text) or ((0, " "),):
+                pieces.append((round(pen), faces.font(face, size), letters))
+                pen += pieces[-1][1].getlength(letters)
+            boxes = [face.getbbox(letters, anchor="ls") for _, face, letters in pieces]
+            left, right = (
+                int(edge(x + box[k] for (x, *_), box in zip(pieces, boxes, strict=True))) for edge, k in ((min, 0), (max, 2))
+            )
+            top, bottom = int(min(box[1] for box in boxes)), int(max(box[3] for box in boxes))
             image = Image.new("L", (min(right - left, WIDTH), bottom - top))
-            ImageDraw.Draw(image).text((-left, -top), text, fill=255, font=_face(size), anchor="ls")
+            for x, face, letters in pieces:
+                ImageDraw.Draw(image).text((x - left, -top), letters, fill=255, font=face, anchor="ls")
             ink = np.round(255 * (np.asarray(image) / 255) ** self._weight)
             place = self._room(image.width, image.height)
             self.ink[place[1] : place[1] + image.height, place[0] : place[0] + image.width] = ink

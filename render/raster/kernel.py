@@ -29,6 +29,41 @@ _Numbers = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _Bytes = ti.types.ndarray(dtype=ti.u8, ndim=1)
 
 
+@ti.func
+def _begin(
+    lanes: ti.template(),
+    ground: ti.template(),
+    windows: ti.template(),
+    bins: ti.template(),
+    place,
+    tile,
+    mode,
+    top,
+    bottom,
+):
+    """Fill a tile's scratch memory: with the ground in its rows `top` to `bottom`, or with the colour that all begins with."""
+    for c in range(3):
+        plane = c * AREA
+        if mode == OVER:
+            for spot in range(plane + top * ACROSS, plane + bottom * ACROSS):
+                lanes[place + spot] = ground[tile * 3 * AREA + spot]
+        else:
+            base = windows[bins[5], c]
+            for spot in range(plane, plane + AREA):
+                lanes[place + spot] = ti.f32(0.0) * lanes[0] + base
+
+
+@ti.func
+def _finish(lanes: ti.template(), ground: ti.template(), place, tile, mode, top, bottom):
+    """Keep a painted tile as the ground where that is wanted, and encode its light."""
+    if mode == LAY:
+        for spot in range(3 * AREA):
+            ground[tile * 3 * AREA + spot] = lanes[place + spot]
+    for c in range(3):
+        for spot in range(place + c * AREA + top * ACROSS, place + c * AREA + bottom * ACROSS):
+            lanes[spot] = encoded(lanes[spot])
+
+
 @ti.kernel
 def paint(
     shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
@@ -76,24 +111,10 @@ def paint(
                 if mode != OVER:
                     top, bottom = 0, high
                 if bottom > top:
-                    for c in range(3):
-                        plane = c * AREA
-                        if mode == OVER:
-                            for spot in range(plane + top * ACROSS, plane + bottom * ACROSS):
-                                lanes[place + spot] = ground[tile * 3 * AREA + spot]
-                        else:
-                            base = windows[bins[5], c]
-                            for spot in range(plane, plane + AREA):
-                                lanes[place + spot] = ti.f32(0.0) * lanes[0] + base
-                    paint_entries(
-                        shapes, atlas, texels, bins, lanes, numbers, place, HEAD + tiles + 1 + start, end - start, x0, y0
-                    )
-                    if mode == LAY:
-                        for spot in range(3 * AREA):
-                            ground[tile * 3 * AREA + spot] = lanes[place + spot]
-                    for c in range(3):
-                        for spot in range(place + c * AREA + top * ACROSS, place + c * AREA + bottom * ACROSS):
-                            lanes[spot] = encoded(lanes[spot])
+                    _begin(lanes, ground, windows, bins, place, tile, mode, top, bottom)
+                    first = HEAD + tiles + 1 + start
+                    paint_entries(shapes, atlas, texels, bins, lanes, numbers, place, first, end - start, x0, y0)
+                    _finish(lanes, ground, place, tile, mode, top, bottom)
                     if ti.static(as_yuv):
                         write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
                     else:

@@ -12,6 +12,7 @@ from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
 from render.theme import Theme
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Distances of grid lines to choose from [m]; the first that leaves at most LINES of them across the world is taken."""
@@ -54,8 +55,8 @@ def ground(
             NONE if is_sky(subject) and not lone else _grid(world.size, theme, unit, camera, 0.06, window if lone else None),
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
             *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
-            _target(target, theme, unit, camera) if target else NONE,
-            _obstacles(subject, theme, camera),
+            _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
+            _obstacles(subject, theme, camera, lone=len(cameras) == 1),
             _arrows(field, theme, unit, camera) if field else NONE,
         ]
     return np.concatenate(rows)
@@ -77,7 +78,7 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
 
 def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: float, alpha: float) -> list[np.ndarray]:
     """Draw the edge of the world: solid walls around it, or a fine line."""
-    if boundary != "walls":
+    if not box.walled(boundary):
         return [boxes(low, high, theme["line"], alpha, corner=3 * unit, stroke=0.75 * unit)]
     half = WALL / 2 * unit
     return [
@@ -137,7 +138,7 @@ def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -
         rows.append(discs(camera.place(below), size_there, theme["shadow"], 0.5 * theme.shadow_alpha, soft=size_there))
     target = target_of(subject)
     if target:
-        rows.append(_target(target, theme, unit, camera))
+        rows.append(_target(target, subject, theme, unit, camera, lone=True))
     return np.concatenate(rows)
 
 
@@ -145,8 +146,9 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
     """Draw obstacles as balls lit from the upper left, and give how near each shape is."""
     if not len(subject.obstacle_radius):
         return NONE.copy(), np.zeros(0)
-    near = camera.nearness(subject.obstacle_position)
-    centre, radius = camera.place(subject.obstacle_position), subject.obstacle_radius * camera.scale * near
+    spots, radii = reaching_in(subject, subject.obstacle_position, subject.obstacle_radius)
+    near = camera.nearness(spots)
+    centre, radius = camera.place(spots), radii * camera.scale * near
     haze = Orbit.haze(near)
     body, light = (
         np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze for name in ("obstacle", "obstacle_light")
@@ -173,10 +175,30 @@ def _area(area, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.n
     return np.concatenate([tint, atlas.line(area.label.upper(), spot, size, hue, 0.75, spacing=max(round(size * 0.12), 1))])
 
 
-def _target(target, theme: Theme, unit: float, camera: Camera) -> np.ndarray:
-    spot = np.array([target.position], float)
+def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Add to discs or balls [disc, dim] their images beyond the edges of a periodic world that reach into it.
+
+    Whoever meets the part of an obstacle that lies beyond an edge meets it there.
+    """
+    world = subject.scenario.world
+    if world.boundary != "periodic" or not len(radii):
+        return centres, radii
+    size = np.array(world.size[: centres.shape[1]], float)
+    ways = np.stack(np.meshgrid(*[(0, 1, -1)] * len(size), indexing="ij"), axis=-1).reshape(-1, len(size))  # itself first
+    images = (centres[None] + ways[:, None] * size).reshape(-1, len(size))
+    sizes = np.tile(radii, len(ways))
+    beyond = images - np.clip(images, 0, size)
+    kept = (beyond**2).sum(axis=1) < sizes**2
+    kept[: len(radii)] = True
+    return images[kept], sizes[kept]
+
+
+def _target(target, subject: Recording | Live, theme: Theme, unit: float, camera: Camera, *, lone: bool) -> np.ndarray:
+    spot, reach = np.array([target.position], float), np.array([target.radius], float)
+    if lone:
+        spot, reach = reaching_in(subject, spot, reach)
     near = camera.nearness(spot)
-    centre, radius, hue = camera.place(spot), target.radius * camera.scale * near, theme["target"]
+    centre, radius, hue = camera.place(spot), reach * camera.scale * near, theme["target"]
     return np.concatenate(
         [
             discs(centre, radius * 1.15, hue, 0.16, soft=radius * 1.1),
@@ -188,12 +210,14 @@ def _target(target, theme: Theme, unit: float, camera: Camera) -> np.ndarray:
     )
 
 
-def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera) -> np.ndarray:
-    """Shade obstacles like pebbles lit from the upper left."""
+def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera, *, lone: bool) -> np.ndarray:
+    """Shade obstacles like pebbles lit from the upper left. lone: no other camera shows their images."""
     if not len(subject.obstacle_radius):
         return NONE
-    centre = camera.place(subject.obstacle_position)
-    radius = subject.obstacle_radius * camera.scale
+    spots, radii = subject.obstacle_position, subject.obstacle_radius
+    if lone:
+        spots, radii = reaching_in(subject, spots, radii)
+    centre, radius = camera.place(spots), radii * camera.scale
     aside = radius[:, None] * (1.0, 1.0)
     return np.concatenate(
         [

@@ -4,8 +4,8 @@ import numpy as np
 
 from render.raster.shapes import NONE, WINDOW, boxes
 from render.scene.camera import Camera
-from render.scene.snapshot import Now
-from render.scene.trajectories import Motion
+from render.scene.snapshot import Snapshot
+from render.scene.trajectories import Trajectories
 from render.source import Live
 from render.theme import Theme
 from tiswarm.records.recording import Recording
@@ -65,7 +65,7 @@ class Cells:
 class Coverage:
     """Ground that prey have been to, brightest where they have just been."""
 
-    def __init__(self, paths: Motion, theme: Theme):
+    def __init__(self, paths: Trajectories, theme: Theme):
         """Watch the paths from their start on."""
         self._paths, self._theme = paths, theme
         sizes = [subject.scenario.world.size for subject in paths.subjects]
@@ -106,7 +106,7 @@ class Coverage:
         done = sum(int((swept[:-1][free] <= time).sum()) for swept, free in pairs)
         return done / max(sum(int(free.sum()) for free in self._free), 1)
 
-    def drawn(self, here: Now, camera: Camera) -> np.ndarray:
+    def drawn(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Draw the cleaned cells; those that shine no more in whole rows."""
         rows = [NONE]
         for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):

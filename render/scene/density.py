@@ -5,9 +5,10 @@ import numpy as np
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW, cloud, colour
 from render.scene.camera import Camera, Orbit
-from render.scene.snapshot import Now, images
-from render.scene.trajectories import Motion
+from render.scene.snapshot import Snapshot, images
+from render.scene.trajectories import Trajectories
 from render.theme import Theme
+from tiswarm.space import box
 
 BLUR = np.array([1, 8, 28, 56, 70, 56, 28, 8, 1], np.float32) / 256
 """Each agent is spread over the cells around its own, by about one and a half of them."""
@@ -40,7 +41,7 @@ AWAY = 0.5
 class Density:
     """Clouds of agents: over the ground of flat worlds, between the eye and the walls of 3-D ones."""
 
-    def __init__(self, paths: Motion, theme: Theme, lone: np.ndarray, atlas: Atlas):
+    def __init__(self, paths: Trajectories, theme: Theme, lone: np.ndarray, atlas: Atlas):
         """Prepare. lone: [agent], who is drawn one by one; the others make the cloud, or all when all are. atlas: takes it."""
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
@@ -53,7 +54,7 @@ class Density:
         self._texels: list[np.ndarray] = []
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
 
-    def drawn(self, here: Now, camera: Camera, windows: np.ndarray) -> np.ndarray:
+    def drawn(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw the clouds of all subjects. windows: [subject, 4], where each is shown [px]."""
         rows = [NONE]
         self._texels.clear()
@@ -80,10 +81,10 @@ class Density:
         size = np.array(world.size[:2], float)
         cells = _cells(size, many)
         low, far = np.zeros(2), size
-        if world.boundary == "open":
+        if not box.bounded(world.boundary):
             rim = np.ceil(AWAY * cells)
             low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
-        mode = {"periodic": "wrap", "walls": "symmetric"}.get(world.boundary, "constant")
+        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
         crowd = _counted((spots - low) / (far - low), cells, mode) * (np.prod(size / (far - low)) * np.prod(cells) / many)
         texels = self._scale.take(self._level(crowd), axis=0)[::-1]  # y points up in the world, down on the screen
         first, shapes = self._write(texels), []
@@ -93,7 +94,7 @@ class Density:
                 camera.centre + (window[[2, 1]] - camera.middle) * (1, -1) / camera.scale,
             ]
         )
-        period = size if world.boundary == "periodic" else np.zeros(2)
+        period = box.period(world.size[:2], world.boundary)
         seen = np.concatenate([edges[0] - size / 2, edges[1] + size / 2])
         _, shifts = images((size / 2)[None], seen[None], period[None])
         for shift in shifts:

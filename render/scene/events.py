@@ -4,8 +4,8 @@ import numpy as np
 
 from render.raster.shapes import NONE, WINDOW, capsules, discs, rings
 from render.scene.camera import Camera
-from render.scene.snapshot import Now
-from render.scene.trajectories import ARRIVED, CAPTURED, CRASHED, Motion
+from render.scene.snapshot import Snapshot
+from render.scene.trajectories import ARRIVED, CAPTURED, CRASHED, Trajectories
 from render.source import target_of
 from render.theme import Theme
 
@@ -16,7 +16,7 @@ FLASH = 0.7
 class Fates:
     """What became of the agents."""
 
-    def __init__(self, paths: Motion, theme: Theme, unit: float, speed: float):
+    def __init__(self, paths: Trajectories, theme: Theme, unit: float, speed: float):
         """Prepare. unit: pixels per unit of type; speed: ticks per second of film."""
         self._paths, self._theme, self._unit, self._speed = paths, theme, unit, speed
         targets = [target_of(subject) for subject in paths.subjects]
@@ -24,14 +24,14 @@ class Fates:
         self._depths = [target.position[2:] if target else () for target in targets]
         self._marked: tuple[Camera | None, int, np.ndarray] = (None, 0, NONE)  # marks change seldom under a still camera
 
-    def marks(self, now: Now, camera: Camera) -> np.ndarray:
+    def marks(self, now: Snapshot, camera: Camera) -> np.ndarray:
         """Mark where prey died: a cross for a crash, a ring for a capture."""
         gone = int(np.count_nonzero(self._paths.end <= now.time))
         if self._marked[0] is not camera or self._marked[1] != gone:
             self._marked = camera, gone, self._marks(now, camera)
         return self._marked[2]
 
-    def _marks(self, now: Now, camera: Camera) -> np.ndarray:
+    def _marks(self, now: Snapshot, camera: Camera) -> np.ndarray:
         theme, unit = self._theme, self._unit
         (caught, taken, _), (crashed, broken, _) = (self._gone(now, camera, fate, True) for fate in (CAPTURED, CRASHED))
         arms, half = 3.6 * unit * np.array([[1, 1], [1, -1]]), 0.8 * unit
@@ -43,7 +43,7 @@ class Fates:
             ]
         )
 
-    def pulses(self, now: Now, camera: Camera) -> np.ndarray:
+    def pulses(self, now: Snapshot, camera: Camera) -> np.ndarray:
         """Let the target's ring swell, once for each arrival."""
         agents, _, age = self._gone(now, camera, ARRIVED, True, 2 * FLASH)
         if not len(agents):
@@ -59,7 +59,7 @@ class Fates:
         glow = discs(centre, radius * 0.8, hue, 0.35 * (1 - phase) ** 2, soft=radius * 0.6)
         return np.concatenate([self._cut(ring, agents), self._cut(glow, agents)])
 
-    def flashes(self, now: Now, camera: Camera) -> np.ndarray:
+    def flashes(self, now: Snapshot, camera: Camera) -> np.ndarray:
         """Flash where agents die: two rings for a capture, a star of sparks for a crash; a soft glow where one arrives."""
         if not (now.time - self._paths.end < FLASH * self._speed)[self._paths.end <= now.time].any():
             return NONE
@@ -82,7 +82,7 @@ class Fates:
         return np.concatenate(rows)
 
     def _gone(
-        self, now: Now, camera: Camera, fate: int, prey: bool, within: float = np.inf
+        self, now: Snapshot, camera: Camera, fate: int, prey: bool, within: float = np.inf
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Give the agents of a fate, where on the screen they went, and how long ago [s of film], if less than `within`."""
         paths = self._paths

@@ -7,8 +7,8 @@ from render.raster.shapes import NONE, WINDOW, capsules, colour, mixed, rings
 from render.scene.camera import Camera
 from render.scene.coverage import Coverage
 from render.scene.density import Density
-from render.scene.snapshot import Now
-from render.scene.trajectories import Motion
+from render.scene.snapshot import Snapshot
+from render.scene.trajectories import Trajectories
 from render.theme import Theme
 
 LINKED = 2000
@@ -18,7 +18,7 @@ LINKED = 2000
 class Overlays:
     """The overlays that a look asks for."""
 
-    def __init__(self, paths: Motion, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas):
+    def __init__(self, paths: Trajectories, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas):
         """Prepare. unit: pixels per unit of type. lone, atlas: as for `Density`."""
         self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
         self.coverage = Coverage(paths, theme) if "coverage" in names else None
@@ -27,7 +27,7 @@ class Overlays:
         sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
         self._sight = sights[paths.scene, paths.is_prey.astype(int)]
 
-    def below(self, here: Now, camera: Camera, windows: np.ndarray) -> np.ndarray:
+    def below(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what lies under the agents. windows: as in `Scene.frame`."""
         rows = [NONE]
         if self.coverage:
@@ -46,13 +46,13 @@ class Overlays:
         rows[:, WINDOW] = self._paths.scene[agents]
         return rows
 
-    def _perception(self, here: Now, camera: Camera) -> np.ndarray:
+    def _perception(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Circle what agents perceive."""
         hues = np.array([colour(self._theme.predator), colour(self._theme.prey[0])])[self._paths.is_prey[here.who].astype(int)]
         circles = rings(here.centre, self._sight[here.who] * camera.scale * here.near, 1.1 * self._unit, hues, 0.28)
         return self._cut(circles, here.who)
 
-    def _velocity(self, here: Now, camera: Camera) -> np.ndarray:
+    def _velocity(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Draw where each agent will be in three ticks if it goes straight on."""
         shown = here.spot[here.who]
         shown[:, :2] += here.shift
@@ -60,7 +60,7 @@ class Overlays:
         thick = 1.0 * self._unit
         return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
 
-    def _links(self, here: Now, camera: Camera) -> np.ndarray:
+    def _links(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Join prey that are neighbours: within perception of each other, and of the same sub-swarm."""
         paths, rows = self._paths, [NONE]
         group = paths.groups(here.time)

@@ -7,10 +7,11 @@ import numpy as np
 
 from render.captions.layout import Box
 from render.scene.camera import Camera, Orbit
-from render.scene.trajectories import Motion
+from render.scene.trajectories import Trajectories
 from render.source import Live, is_sky
 from render.style import Look
 from tiswarm.records.recording import Recording
+from tiswarm.space import box
 
 MARGIN = 0.04
 """Free rim around the world, as a share of the stage's shorter edge."""
@@ -35,7 +36,7 @@ PITCH, START, TURN, DISTANCE = 0.42, 0.35, 0.1, 2.6
 
 
 @dataclass(frozen=True)
-class Operator:
+class Rig:
     """Who holds the camera: `at` gives it for a time [ticks]; a still one never moves."""
 
     at: Callable[[float], Camera]
@@ -55,7 +56,7 @@ class View:
     top: float = 0.0
 
 
-def bounds(paths: Motion, scene: int, stray: float) -> Box:
+def bounds(paths: Trajectories, scene: int, stray: float) -> Box:
     """Give the box [m] of a subject's world and of all that moves there.
 
     Who strays farther from the world than a share `stray` of its size is let go: the rest would become too small to see. Starts
@@ -64,7 +65,7 @@ def bounds(paths: Motion, scene: int, stray: float) -> Box:
     subject = paths.subjects[scene]
     world, radius = subject.scenario.world, max(subject.scenario.prey.radius, subject.scenario.predators.radius)
     size = np.array(world.size[:2], float)
-    if world.boundary == "periodic":
+    if box.wraps(world.boundary):
         return Box(0, 0, *world.size[:2])
     start = paths.spots(0.0)[paths.scene == scene, :2]
     low, high = np.zeros(2), size
@@ -86,7 +87,7 @@ def heights(subject: Recording | Live) -> tuple[float, float]:
     return low, high
 
 
-def apparent(paths: Motion, view: View) -> tuple[float, float]:
+def apparent(paths: Trajectories, view: View) -> tuple[float, float]:
     """Give how wide and high a view looks, next to each other: an orbit sees the diagonal of the floor, and that aslant."""
     width, height = view.reach.width, view.reach.height
     if paths.dim == 2:
@@ -95,7 +96,7 @@ def apparent(paths: Motion, view: View) -> tuple[float, float]:
     return across, across * float(np.sin(PITCH)) + (view.top - view.floor) * float(np.cos(PITCH))
 
 
-def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> Operator:
+def rig(look: Look, paths: Trajectories, scene: int, view: View, stage: Box) -> Rig:
     """Choose who holds the camera on a subject. view: what "fit" shows; stage: where on the screen.
 
     Errors: ValueError when the agent to follow does not exist, or when a camera would have to look ahead in a live simulation.
@@ -104,13 +105,13 @@ def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> O
         (x0, y0), (x1, y1) = look.camera
         chosen = Box(x0, y0, x1, y1)
         held = fitted(View(chosen, chosen), stage)
-        return Operator(lambda _: held, still=True)
+        return Rig(lambda _: held, still=True)
     kind, _, agent = look.camera.partition(":")
     if kind == "orbit" or (kind == "fit" and paths.dim == 3):
         return _orbiting(look, view, stage)
     fit, subject = fitted(view, stage), paths.subjects[scene]
     if kind == "fit" and not _leaves(subject):
-        return Operator(lambda _: fit, still=True)
+        return Rig(lambda _: fit, still=True)
     if not isinstance(subject, Recording):
         raise ValueError("camera: 'follow' looks ahead, which a live simulation does not let it; record it first, or use fit")
     count = subject.prey.count + subject.predators.count
@@ -118,18 +119,19 @@ def operator(look: Look, paths: Motion, scene: int, view: View, stage: Box) -> O
         raise ValueError(f"camera: no agent {agent} to follow; use 0 to {count - 1}")
     way = _calm_path(subject, int(agent) if agent else None)
     rows, shown = np.arange(len(way)), 1.0 if kind == "fit" else FOLLOWED
-    period = np.array(subject.scenario.world.size[:2]) if subject.scenario.world.boundary == "periodic" else None
+    world = subject.scenario.world
+    period = np.array(world.size[:2]) if box.wraps(world.boundary) else None
 
     def follow(time: float) -> Camera:
         centre = np.array([np.interp(time, rows, way[:, 0]), np.interp(time, rows, way[:, 1])])
         return Camera(centre if period is None else np.mod(centre, period), fit.middle, fit.scale / shown)
 
-    return Operator(follow, still=False)
+    return Rig(follow, still=False)
 
 
 def _leaves(subject: Recording | Live) -> bool:
     """Tell whether prey wander off for good through an open world in which nothing keeps them: then one must go along."""
-    if not isinstance(subject, Recording) or not is_sky(subject) or subject.scenario.world.boundary != "open":
+    if not isinstance(subject, Recording) or not is_sky(subject) or box.bounded(subject.scenario.world.boundary):
         return False
     size = np.array(subject.scenario.world.size[:2])
     away = np.abs(np.nanmean(subject.prey.position[..., :2], axis=1) - size / 2) > size / 2
@@ -144,7 +146,7 @@ def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
         chosen = np.concatenate([chosen, recording.predators.position[..., :2]], axis=1)[:, agent : agent + 1]
     there = np.isfinite(chosen[..., :1])
     count = there.sum(axis=1)
-    if world.boundary == "periodic":
+    if box.wraps(world.boundary):
         turn = 2 * np.pi / np.array(world.size[:2])
         waves = np.where(there, np.exp(1j * np.nan_to_num(chosen) * turn), 0).sum(axis=1)
         mean = np.unwrap(np.angle(waves), axis=0) / turn
@@ -157,7 +159,7 @@ def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
     return np.stack([np.convolve(padded[:, n], weights / weights.sum(), mode="valid") for n in range(2)], axis=1)
 
 
-def _orbiting(look: Look, view: View, stage: Box) -> Operator:
+def _orbiting(look: Look, view: View, stage: Box) -> Rig:
     """Walk around the world, looking slightly down on it."""
     reach = view.reach
     pivot = (reach.left + reach.right) / 2, (reach.top + reach.bottom) / 2, (view.floor + view.top) / 2
@@ -176,7 +178,7 @@ def _orbiting(look: Look, view: View, stage: Box) -> Operator:
     def orbit(time: float) -> Camera:
         return Orbit(none, middle, scale, pivot, _axes(START + time / look.speed * TURN), away)
 
-    return Operator(orbit, still=False)
+    return Rig(orbit, still=False)
 
 
 def _axes(angle: float) -> np.ndarray:

@@ -10,9 +10,9 @@ from render.scene import background
 from render.scene.camera import Camera, Orbit
 from render.scene.events import Fates
 from render.scene.overlays import Overlays
-from render.scene.snapshot import Now, now
+from render.scene.snapshot import Snapshot, now
 from render.scene.trails import Trails
-from render.scene.trajectories import ACTING, ALARMED, EXPLODING, Motion
+from render.scene.trajectories import ACTING, ALARMED, EXPLODING, Trajectories
 from render.source import Live
 from render.style import Look
 from tiswarm.records.recording import Recording
@@ -47,7 +47,7 @@ class Scene:
         """
         self.subjects, self.look, self.unit, self.theme = subjects, look, unit, look.colours
         behind = look.trail * look.speed
-        self.paths = Motion(subjects, behind, knots)
+        self.paths = Trajectories(subjects, behind, knots)
         self._trails = Trails(self.paths, behind, self.theme.trail_alpha)
         prey, scene = self.paths.is_prey, self.paths.scene
         crowds = [np.bincount(scene[prey == kind], minlength=len(subjects)).max() for kind in (False, True)]
@@ -123,7 +123,7 @@ class Scene:
             rows[:, WINDOW] = self.paths.scene[agents]
         return rows
 
-    def _by_depth(self, drawn: list[Layer], here: Now, camera: Orbit) -> list[np.ndarray]:
+    def _by_depth(self, drawn: list[Layer], here: Snapshot, camera: Orbit) -> list[np.ndarray]:
         """Order shapes of agents, and the spheres among them, from far to near."""
         shapes, near = [each for each, _ in drawn], [here.near[rows] for _, rows in drawn]
         for scene, subject in enumerate(self.subjects):
@@ -135,7 +135,7 @@ class Scene:
         order = np.argsort(np.concatenate(near), kind="stable")
         return [np.concatenate(shapes)[order]]
 
-    def _prey(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
+    def _prey(self, here: Snapshot, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw prey as drops, round in front; their state shows on them."""
         rows = np.arange(here.prey)
         if not len(rows):
@@ -150,7 +150,7 @@ class Scene:
         layers = [(drops, _doubled(rows)), *self._states(states, rows, nose, reach, paints)]
         return [self._layer(shapes, each, here) for shapes, each in layers]
 
-    def _layer(self, shapes: np.ndarray, rows: np.ndarray, here: Now) -> Layer:
+    def _layer(self, shapes: np.ndarray, rows: np.ndarray, here: Snapshot) -> Layer:
         """Cut shapes to their windows; rows: the rows of `here` that they belong to."""
         return self._cut(shapes, here.who[rows]), rows
 
@@ -177,7 +177,7 @@ class Scene:
             layers.append((rings(nose[acting], size, 1.3 * self.unit, paints[acting], 0.9), rows[acting]))
         return layers
 
-    def _predators(self, here: Now, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
+    def _predators(self, here: Snapshot, reach: np.ndarray, paints: np.ndarray) -> list[Layer]:
         """Draw predators as swept darts, with a dot in the colour of the cluster that each chases."""
         rows = np.arange(here.prey, len(here.who))
         if not len(rows):
@@ -199,7 +199,7 @@ class Scene:
             layers.append((discs(spots, size, hues), rows[chasing]))
         return [self._layer(each, own, here) for each, own in layers]
 
-    def _shadows(self, here: Now, camera: Camera) -> np.ndarray:
+    def _shadows(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Drop the agents' shadows on the ground of a 3-D world."""
         spots, own = here.spot[here.who, :2], camera.of(here.who)
         size = np.maximum(

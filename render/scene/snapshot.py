@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.scene.camera import Camera, Orbit
-from render.scene.trajectories import Motion
+from render.scene.trajectories import Trajectories
 
 
 @dataclass(frozen=True)
-class Now:
+class Snapshot:
     """Agents at one time.
 
     spot: [agent, dim], m, of all agents, those that are gone where they went.
@@ -28,7 +28,7 @@ class Now:
     shift: np.ndarray
 
 
-def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None, lone: np.ndarray) -> Now:
+def now(paths: Trajectories, time: float, camera: Camera, around: np.ndarray | None, lone: np.ndarray) -> Snapshot:
     """Look at a time [ticks] through a camera.
 
     around: [agent, 4], what of a periodic world is seen, as in `images`. lone: [agent], who is shown one by one.
@@ -43,7 +43,7 @@ def now(paths: Motion, time: float, camera: Camera, around: np.ndarray | None, l
         who = who[copies]
         shown = spot[who, :2] + shift
     own = camera.of(who)
-    return Now(
+    return Snapshot(
         time,
         spot,
         who,

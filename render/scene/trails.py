@@ -6,8 +6,9 @@ import numpy as np
 
 from render.raster.shapes import NONE, capsules
 from render.scene.camera import Camera, Orbit
-from render.scene.snapshot import Now, images
-from render.scene.trajectories import Motion
+from render.scene.snapshot import Snapshot, images
+from render.scene.trajectories import Trajectories
+from tiswarm.space import box
 
 HUNTERS = 0.65
 """Trails of predators are this much weaker than those of prey, whose story it is."""
@@ -46,7 +47,7 @@ class Trails:
     once, and only the newest, from the last knot to where the agent is, frame by frame.
     """
 
-    def __init__(self, paths: Motion, reach: float, alpha: float):
+    def __init__(self, paths: Trajectories, reach: float, alpha: float):
         """Prepare. reach: how far back trails go [ticks]; alpha: opacity of a new one."""
         self._paths, self._reach, self._alpha = paths, reach, alpha
         self._strength = np.where(paths.is_prey, 1.0, HUNTERS)
@@ -55,7 +56,7 @@ class Trails:
         self._kept: _Pieces
 
     def drawn(
-        self, here: Now, camera: Camera, around: np.ndarray | None, reach: np.ndarray, paints: np.ndarray
+        self, here: Snapshot, camera: Camera, around: np.ndarray | None, reach: np.ndarray, paints: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Draw the trails; give with each shape its agent.
 
@@ -129,8 +130,7 @@ class Trails:
         points, start = line[..., :2].reshape(-1, 2), starts * paths.count + agents
         period = paths.period[:, :2].take(agents, axis=0)
         a = points.take(start, axis=0)
-        step = points.take(start + paths.count, axis=0) - a
-        step -= period * np.floor(step / np.maximum(period, 1e-9) + 0.5)
+        step = box.displacement(points.take(start + paths.count, axis=0) - a, period)
         half = np.abs(step) / 2
         seen = around.take(agents, axis=0)
         seen[:, :2] -= half

@@ -7,6 +7,7 @@ import numpy as np
 
 from render.source import Live, Moment, played
 from tiswarm.records.recording import FATES, Recording
+from tiswarm.space import box
 
 ALIVE, ARRIVED, CAPTURED, CRASHED = range(len(FATES))
 
@@ -30,7 +31,7 @@ class _Part:
     agents: slice
 
 
-class Motion:
+class Trajectories:
     """The paths of all agents of one subject or of several, prey first, continuous in time.
 
     Times are ticks since the start, lengths metres. Ticks are loaded when they are needed, and forgotten when no trail
@@ -78,11 +79,8 @@ class Motion:
         self.scene = np.concatenate([np.full(part.agents.stop - part.agents.start, part.scene) for part in self._parts])
         self.ticks = np.array([subject.ticks for subject in self.subjects])
         worlds = [subject.scenario.world for subject in self.subjects]
-        periods = np.array(
-            [[*world.size, 0][: self.dim] if world.boundary == "periodic" else [0] * self.dim for world in worlds]
-        )
-        self.period = periods[self.scene].astype(float) if periods.any() else None
-        self._turns = None if self.period is None else np.where(self.period > 0, 1 / np.maximum(self.period, 1e-9), 0)
+        periods = np.array([np.resize(box.period(world.size, world.boundary), self.dim) for world in worlds])
+        self.period = periods[self.scene] if periods.any() else None
         self._allocate()
         self._running, self.loaded = list(range(len(self.subjects))), 0
         for scene, both in enumerate(first):
@@ -200,15 +198,11 @@ class Motion:
 
     def shortest(self, step: np.ndarray, agents: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Take steps across the edge of a periodic world, where that is shorter."""
-        if self.period is None or self._turns is None:
-            return step
-        return step - self.period[agents] * np.floor(step * self._turns[agents] + 0.5)
+        return step if self.period is None else box.displacement(step, self.period[agents])
 
     def within(self, spots: np.ndarray, agents: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Bring places back into a periodic world."""
-        if self.period is None or self._turns is None:
-            return spots
-        return spots - self.period[agents] * np.floor(spots * self._turns[agents])
+        return spots if self.period is None else box.wrap(spots, self.period[agents])
 
     def _tie(self) -> None:
         """Keep points of the newest curves for trails: points fixed in time do not crawl."""

@@ -10,13 +10,14 @@ import time
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
 
 ROUNDS = 5
 OUT = Path("out/benchmarks/clustering.csv")
 WORKS = {
     "delft/cluster-10": ("delft/cluster-10", {}, 4000),
+    "the same, kept labels": ("delft/cluster-10", {"predators.weights.labels": "kept"}, 4000),
     "the same, centre steering": ("delft/cluster-10", {"predators.strategy": "centre"}, 4000),
     "the same, 8 prey": ("delft/cluster-10", {"prey.count": 8}, 4000),
     "the same, 16 prey": ("delft/cluster-10", {"prey.count": 16}, 16),

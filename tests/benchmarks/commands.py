@@ -11,7 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 
 COMMANDS = (("--help",), ("presets",), ("bench", "delft", "--fresh", "--quiet"), ("demo", "--quiet"))
 WARM_ROUNDS = 3

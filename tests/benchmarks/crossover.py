@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import tiswarm
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import Scenario, validated
 
 OUT = Path("out/benchmarks/crossover.csv")

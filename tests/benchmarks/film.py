@@ -19,7 +19,7 @@ import numpy as np
 
 import render
 import tiswarm
-from render.composition import Stage
+from render.composition import Composition
 from render.encoder import encoder, format_of
 from render.scene.scene import CROWDED
 from render.style import Look
@@ -92,7 +92,7 @@ def filmed_live(agents: int, folder: Path, ticks: int = 20) -> float:
 
 def rasterised(subject: Recording | list[Recording], **look: object) -> float:
     """Give frames per second of rasterising to planar YUV, spread over the whole film."""
-    stage = Stage(subject, SIZE, Look(**look), yuv=True)  # type: ignore[arg-type]
+    stage = Composition(subject, SIZE, Look(**look), yuv=True)  # type: ignore[arg-type]
     moments = [moment for moment in stage.times(FPS) if moment < stage.scene.paths.last]
     pieces = min(READY // PIECE, max(len(moments) // PIECE, 1))
     starts = np.linspace(0, max(len(moments) - PIECE, 0), pieces).astype(int)
@@ -110,7 +110,7 @@ def rasterised(subject: Recording | list[Recording], **look: object) -> float:
 
 def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, float]:
     """Give frames per second of a whole film, and of the same encoder fed with frames that were made before."""
-    stage = Stage(recording, SIZE, Look(), yuv=True)
+    stage = Composition(recording, SIZE, Look(), yuv=True)
     moments = list(stage.times(FPS))[stage.length(FPS) // 3 :][:READY]
     ready = [stage.canvas.blank() for _ in moments]
     for moment, plate in zip(moments, ready, strict=True):
@@ -148,7 +148,7 @@ def matplotlib_film(recording: Recording, quality: str, folder: Path, frames: in
     from matplotlib.patches import Circle
 
     mpl.rcParams["animation.ffmpeg_path"] = imageio_ffmpeg.get_ffmpeg_exe()
-    stage = Stage(recording, SIZE, Look(), yuv=True)
+    stage = Composition(recording, SIZE, Look(), yuv=True)
     paths = stage.scene.paths
     moments = list(stage.times(FPS))[stage.length(FPS) // 3 :][:frames]
     lines = [np.stack([paths.spots(time) for time in np.linspace(max(moment - 25, 0), moment, 50)]) for moment in moments]

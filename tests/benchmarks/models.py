@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import tiswarm
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
 
 TRIALS = 1000

@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 
 import tiswarm
 from tiswarm.engine.swarms.simulation import Swarm
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import validated
 
 OUT = Path("out/benchmarks/peers.csv")

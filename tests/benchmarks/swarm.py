@@ -19,7 +19,7 @@ import numpy as np
 
 import tiswarm
 from tiswarm.engine.swarms.simulation import Swarm
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import Scenario, validated
 
 OUT = Path("out/benchmarks/swarm.csv")

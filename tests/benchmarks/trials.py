@@ -15,7 +15,8 @@ import sys
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.records.results import compare, processor
+from tiswarm.records.manifest import processor
+from tiswarm.records.results import compare
 
 ROUNDS = 3
 OUT = Path("out/benchmarks/trials.csv")

@@ -14,7 +14,7 @@ import pytest
 
 import render
 import tiswarm
-from tiswarm.engine.trials.batch import simulate_many
+from tiswarm.engine.run import simulate_many
 
 PINNED = Path(__file__).with_name("bits.json")
 MEASURES = ["polarisation", "milling", "nearest", "groups", "speed", "kinetic", "trapped-time"]
@@ -44,7 +44,8 @@ BATCHES = {
 }
 ALONE = {
     "pronav": ("delft/pronav-10", {"prey.strategy": "evasive", **CLOSE}),
-    "cluster": ("delft/cluster-10", {**CLOSE, "predators.spawn.region": [[60, 25], [75, 35]]}),
+    "cluster": ("delft/cluster-10", {**CLOSE, "predators.weights.labels": "kept"}),
+    "redrawn": ("delft/cluster-10", CLOSE),
     "hawk": ("m20/hawk", {"world.contact": "eaten", "prey.radius": 0.3}),
     "bounce": ("m20/hawk", {"world.contact": "bounce", "prey.radius": 0.3}),
 }

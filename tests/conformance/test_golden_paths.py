@@ -1,4 +1,4 @@
-"""Single trials recorded from the thesis author's simulator in float64 (golden/, see spec of the files in golden/README.md)."""
+"""Single trials recorded from the thesis author's simulator in float64 (golden/, named by study, algorithm and seed)."""
 
 from pathlib import Path
 
@@ -69,7 +69,7 @@ def test_each_recorded_state_advances_by_one_tick_as_recorded(file, f64):
                 assert _largest_difference(ours, theirs) < 1e-10, f"{kind} {what} after tick {tick}"
         assert (single.fate("prey") == "arrived").sum() == golden["reached"][tick + 1]
     assert single.ended
-    assert single.ticks == golden["ticks"]
+    assert single.age == golden["ticks"]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)

@@ -341,7 +341,7 @@ class TestContact:
     def test_a_trial_ends_when_no_prey_is_alive(self):
         single = _stepped([(40, 20, 0, 0)], [(40.5, 20, 0, 0)])
         assert single.ended
-        assert single.ticks == 1
+        assert single.age == 1
 
     def test_a_trial_ends_at_its_last_tick(self):
         single = _single([(40, 20, 0, 0)], world__ticks=3)

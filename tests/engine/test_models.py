@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.engine.trials.batch import simulate_many
+from tiswarm.engine.run import simulate_many
 from tiswarm.engine.trials.kernel import OUTCOMES
 from tiswarm.scenario import presets
 from tiswarm.strategies import registry

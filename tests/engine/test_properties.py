@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import tiswarm
-from tiswarm.engine.trials.batch import simulate_many
+from tiswarm.engine.run import simulate_many
 from tiswarm.strategies import registry
 
 KEYS = sorted(tiswarm.load("delft/pronav-10", {"prey.strategy": "explode-evasive"}).numbers())

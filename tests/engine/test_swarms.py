@@ -10,6 +10,7 @@ from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.trials.trial import Single
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import validated
+from tiswarm.strategies import registry
 
 
 def world(side, dim=2, boundary="periodic", count=60, **prey):
@@ -133,6 +134,75 @@ def test_ticks_in_one_go_are_ticks_one_by_one(boundary, f32, monkeypatch):
         single.step()
     assert at_once.age == single.age == 12
     assert np.array_equal(at_once.position(), single.position())
+
+
+NOISE = '''"""Tumble: angular noise."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from tiswarm.strategies import Prey, cosine, sine
+
+
+class Strategy(Prey):
+    """A kick of a fixed size in any direction."""
+
+    dimensions = (2, 3)
+    dice = True
+
+    @dataclass(frozen=True)
+    class Weights:
+        noise: float = 0.05  # size of the kick [m/s]
+
+    @staticmethod
+    @ti.func
+    def kick(threat, dice, memory, weights):
+        angle = 6.283185307179586 * dice.a
+        return weights.noise * cosine(angle), weights.noise * sine(angle)
+'''
+
+
+@pytest.fixture
+def tumbling(tmp_path, monkeypatch):
+    """Give lone prey that tumble: a tick's change of velocity is what they were kicked by."""
+    monkeypatch.setattr(registry, "_folders", [])
+    (tmp_path / "prey").mkdir()
+    (tmp_path / "prey" / "tumble.py").write_text(NOISE)
+    tiswarm.add_path(tmp_path)
+    still = dict.fromkeys(("cohesion", "separation", "alignment"), 0.0)
+    yield world(8.0, strategy="tumble", **still | {"max_speed": 100.0})
+    registry._files.cache_clear()
+    registry.load.cache_clear()
+
+
+@pytest.mark.parametrize("small", [0, 2_048])
+def test_random_kicks_without_memory_are_those_of_trials(tumbling, small, f64, monkeypatch):
+    monkeypatch.setattr("tiswarm.engine.swarms.state.SMALL", small)
+    swarm, single = Swarm(tumbling, seed=6, trials=2, trial=3), Single(tumbling, 6, 4)
+    before, kicks = swarm.velocity(), []
+    for ticks in (1, 1, 3):
+        swarm.step(ticks)
+        single.step(ticks)
+        assert np.abs(swarm.velocity()[1] - single.velocity("prey")).max() < 1e-12
+        kicks.append(swarm.velocity() - before)
+        before = swarm.velocity()
+    assert np.abs(kicks[0] - kicks[1]).max() > 0.05, "two ticks kick alike"
+    assert np.abs(kicks[0][0] - kicks[0][1]).max() > 0.05, "two trials kick alike"
+    other = Swarm(tumbling, seed=7, start=(swarm.position()[:1], before[:1]), trial=3)
+    same = Swarm(tumbling, seed=6, start=(swarm.position()[:1], before[:1]), trial=3)
+    other.step()
+    same.step()
+    assert np.abs(same.velocity()[0] - before[0] - kicks[0][0]).max() < 1e-12
+    assert np.abs(other.velocity()[0] - before[0] - kicks[0][0]).max() > 0.05, "two seeds kick alike"
+
+
+@pytest.mark.parametrize("avoidance", ["steer-away", "distance-perception"])
+def test_looking_for_obstacles_where_there_are_none(avoidance, f32):
+    swarm, plain = (Swarm(world(8.0, avoidance=name), seed=6) for name in (avoidance, "none"))
+    swarm.step(3)
+    plain.step(3)
+    assert np.array_equal(swarm.position(), plain.position())
 
 
 CROWD = {"prey.count": 203, "predators.count": 50, "obstacles.count": 30, "world.ticks": 40, "prey.strategy": "jump"}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import tiswarm
+from tiswarm.engine.run import simulate_many
 from tiswarm.engine.trials import batch
-from tiswarm.engine.trials.batch import simulate_many
 from tiswarm.engine.trials.kernel import OUTCOMES
 from tiswarm.simd import runtime
 from tiswarm.strategies import registry

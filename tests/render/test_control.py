@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import render
-from render.composition import Stage
+from render.composition import Composition
 from render.style import Look
 from tiswarm.records.recording import Recording
 
@@ -27,7 +27,7 @@ LOOKS: dict[str, dict[str, object]] = {
 
 
 def picture(recording: Recording, look: dict[str, object]) -> np.ndarray:
-    stage = Stage(recording, SIZE, Look(**look), yuv=False)  # type: ignore[arg-type]
+    stage = Composition(recording, SIZE, Look(**look), yuv=False)  # type: ignore[arg-type]
     return stage.frame(5.3, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import render.scene.scene
-from render.composition import Stage
+from render.composition import Composition
 from render.raster import shapes
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
@@ -36,8 +36,8 @@ def flock(make, middle, dim=2, boundary="periodic", **how) -> Recording:
     return replace(recording, scenario=scenario, prey=prey, obstacle_position=bare, obstacle_radius=np.zeros(0))
 
 
-def picture(recording: Recording, time: float = 1.0, **look) -> tuple[Stage, np.ndarray]:
-    stage = Stage(recording, SIZE, Look(**look), yuv=False)
+def picture(recording: Recording, time: float = 1.0, **look) -> tuple[Composition, np.ndarray]:
+    stage = Composition(recording, SIZE, Look(**look), yuv=False)
     return stage, stage.frame(time, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3).astype(int)
 
 
@@ -78,7 +78,7 @@ def test_a_cloud_blends_between_its_texels():
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_cloud_is_where_the_crowd_is(make, crowded, dim, boundary):
     stage, image = picture(flock(make, (30.0, 15.0, 10.0), dim, boundary, predators=0))
-    camera = stage.operators[0].at(1.0)
+    camera = stage.rigs[0].at(1.0)
     x, y = camera.place(np.array([[30.0, 15.0, 10.0]])[:, :dim])[0].astype(int)
     far = camera.place(np.array([[80.0, 40.0, 10.0]])[:, :dim])[0].astype(int)
     assert image[y, x].sum() > image[far[1], far[0]].sum() + 150
@@ -88,7 +88,7 @@ def test_who_is_few_stands_above_the_cloud(make, crowded):
     predators = flock(make, (15.0, 5.0), predators=5)
     without = replace(predators, predators=make(predators=0, ticks=2).predators)
     (stage, image), (_, empty) = picture(predators, trail=0), picture(without, trail=0)
-    x, y = stage.operators[0].at(1.0).place(predators.predators.position[1, 2])
+    x, y = stage.rigs[0].at(1.0).place(predators.predators.position[1, 2])
     assert np.abs(image - empty)[int(y) - 2 : int(y) + 3, int(x) - 2 : int(x) + 3].max() > 60
 
 
@@ -99,5 +99,5 @@ def test_the_scale_does_not_change_with_the_rest_of_the_crowd(make, crowded):
     (stage, before), (_, after) = (picture(each, camera=((20.0, 10.0), (40.0, 20.0))) for each in (one, other))
     assert after.sum() < before.sum()
     (stage, whole) = picture(other)
-    x, y = stage.operators[0].at(1.0).place(np.array([30.0, 15.0])).astype(int)
+    x, y = stage.rigs[0].at(1.0).place(np.array([30.0, 15.0])).astype(int)
     assert whole[y, x].sum() > 150, "a knot elsewhere must not darken the rest"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import render
-from render.composition import Stage
-from render.scene.trajectories import Motion
+from render.composition import Composition
+from render.scene.trajectories import Trajectories
 from render.style import Look
 from tiswarm.records.recording import Recording, Swarm
 
@@ -90,7 +90,7 @@ def test_memory_does_not_grow_with_time(make):
             for _ in range(self.ticks):
                 yield prey, predators
 
-    paths = Motion([Endless(make(prey=2000, predators=0), 4000)], behind=25)
+    paths = Trajectories([Endless(make(prey=2000, predators=0), 4000)], behind=25)
     paths.reach(200)
     tracemalloc.start()
     paths.reach(210)
@@ -103,11 +103,11 @@ def test_memory_does_not_grow_with_time(make):
 def test_what_needs_the_future_is_refused(tame, tmp_path):
     for look in ({"camera": "follow"}, {"slow": True}):
         with pytest.raises(ValueError, match="record it first"):
-            Stage(Played(tame, tame.ticks), SIZE, Look(**look), yuv=False)
+            Composition(Played(tame, tame.ticks), SIZE, Look(**look), yuv=False)
     with pytest.raises(ValueError, match="say at which tick"):
         render.poster(Played(tame, tame.ticks), tmp_path / "a.png", SIZE)
     render.poster(Played(tame, tame.ticks), tmp_path / "a.png", SIZE, time=7)
-    stage = Stage(Played(tame, tame.ticks), SIZE, Look(), yuv=False)
+    stage = Composition(Played(tame, tame.ticks), SIZE, Look(), yuv=False)
     stage.frame(9.0, stage.canvas.blank())
     with pytest.raises(ValueError, match="cannot go back"):
         stage.frame(2.0, stage.canvas.blank())

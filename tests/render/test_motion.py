@@ -3,25 +3,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.scene.trajectories import Motion
+from render.scene.trajectories import Trajectories
 from render.timeline import HOLD, times
 from tiswarm.records.recording import Recording
 
 
-def along(paths: Motion, times) -> np.ndarray:
+def along(paths: Trajectories, times) -> np.ndarray:
     """Give places at several times: [time, agent, dim]."""
     return np.stack([paths.spots(time) for time in times])
 
 
 def test_paths_go_through_the_recorded_positions(chase):
-    paths = Motion([chase])
+    paths = Trajectories([chase])
     both = np.concatenate([chase.prey.position, chase.predators.position], axis=1)
     there = np.isfinite(both)
     assert np.allclose(along(paths, np.arange(9.0))[there], both[there])
 
 
 def test_paths_and_their_speeds_are_continuous(chase):
-    paths = Motion([chase])
+    paths = Trajectories([chase])
     everybody = np.arange(paths.count)
     for tick in range(1, 8):
         (before, slow), (after, fast) = (
@@ -33,7 +33,7 @@ def test_paths_and_their_speeds_are_continuous(chase):
 
 
 def test_the_speed_is_the_slope_of_the_path(chase):
-    paths = Motion([chase])
+    paths = Trajectories([chase])
     everybody = np.arange(paths.count)
     moment, step = np.arange(0.3, 2.9, 0.37), 1e-6
     rise = (along(paths, moment + step) - along(paths, moment - step)) / (2 * step)
@@ -41,7 +41,7 @@ def test_the_speed_is_the_slope_of_the_path(chase):
 
 
 def test_whoever_is_gone_stays_where_it_went(chase):
-    paths = Motion([chase])
+    paths = Trajectories([chase])
     spots = along(paths, [3.0, 5.0, 8.0, 99.0])[:, 0]
     assert np.isfinite(spots).all()
     assert np.allclose(spots, spots[0])
@@ -49,12 +49,12 @@ def test_whoever_is_gone_stays_where_it_went(chase):
 
 def test_captor_and_captive_meet(make):
     recording = make(prey_ends={0: (3, "captured")}, predator_ends={2: (3, "captured")})
-    spots = Motion([recording]).spots(3.0)
+    spots = Trajectories([recording]).spots(3.0)
     assert np.linalg.norm(spots[0] - spots[6 + 2]) > 5, "they died far from each other"
     beside, along = recording.predators.position.copy(), recording.predators.velocity.copy()
     beside[:, 2], along[:, 2] = recording.prey.position[:, 0] + (1.0, 0.5), recording.prey.velocity[:, 0]
     predators = replace(recording.predators, position=beside, velocity=along)
-    spots = Motion([replace(recording, predators=predators)]).spots(3.0)
+    spots = Trajectories([replace(recording, predators=predators)]).spots(3.0)
     assert np.allclose(spots[0], spots[6 + 2])
 
 
@@ -64,20 +64,20 @@ def test_a_periodic_world_is_crossed_at_its_edge_not_through_its_middle(make):
     prey = replace(recording.prey, position=position, velocity=np.full_like(position, (1.5, 0.0)))
     world = recording.scenario.world.model_copy(update={"boundary": "periodic"})
     scenario = recording.scenario.model_copy(update={"world": world})
-    paths = Motion([Recording(scenario, 0, 0, prey, recording.predators, np.zeros((0, 2)), np.zeros(0))])
+    paths = Trajectories([Recording(scenario, 0, 0, prey, recording.predators, np.zeros((0, 2)), np.zeros(0))])
     x = along(paths, np.linspace(0, 4, 41))[:, 0, 0]
     assert np.allclose(np.mod(x - x[0], 100), np.linspace(0, 6, 41))
 
 
 def test_films_last_as_long_as_their_speed_says(make):
-    paths = Motion([make(ticks=20)])
+    paths = Trajectories([make(ticks=20)])
     moments = list(times(paths, 10, 30))
     assert len(moments) == 2 * 30 + HOLD * 30
     assert np.allclose(np.diff(moments), 10 / 30)
 
 
 def test_slow_motion_lasts_longer_and_reaches_the_same_end(make):
-    paths = Motion([make(ticks=60, prey_ends={0: (30, "captured")})])
+    paths = Trajectories([make(ticks=60, prey_ends={0: (30, "captured")})])
     fast, slow = (np.array(list(times(paths, 10, 60, slow=slow))) for slow in (False, True))
     assert len(slow) > len(fast) * 1.1
     assert (np.diff(slow) > 0).all()
@@ -88,4 +88,4 @@ def test_slow_motion_lasts_longer_and_reaches_the_same_end(make):
 
 def test_no_frames_per_second_is_refused(chase):
     with pytest.raises(ValueError, match="fps"):
-        times(Motion([chase]), 10, 0)
+        times(Trajectories([chase]), 10, 0)

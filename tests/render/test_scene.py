@@ -10,7 +10,7 @@ import pytest
 import render
 import tiswarm
 from render.captions.strip import Strip
-from render.composition import Stage
+from render.composition import Composition
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, colour, encoded
@@ -20,7 +20,7 @@ SIZE = (480, 270)
 
 
 def picture(subject, time: float, size=SIZE, **look) -> np.ndarray:
-    stage = Stage(subject, size, Look(**look), yuv=False)
+    stage = Composition(subject, size, Look(**look), yuv=False)
     return stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3)
 
 
@@ -98,7 +98,7 @@ def test_every_look_changes_the_picture(chase, look):
 
 
 def test_nothing_that_moves_is_drawn_on_the_panel(make):
-    stage = Stage(make(prey=30, predators=30, ticks=100), SIZE, Look(), yuv=False)
+    stage = Composition(make(prey=30, predators=30, ticks=100), SIZE, Look(), yuv=False)
     box = stage.boxes[0]
     panel = np.ones((270, 480), bool)
     panel[int(box.top) : int(np.ceil(box.bottom)), int(box.left) : int(np.ceil(box.right))] = False
@@ -124,13 +124,13 @@ def test_several_recordings_are_named_by_what_differs(make):
 def test_several_recordings_stand_side_by_side(make, count):
     subjects = [make(trial=n, ticks=4 + n) for n in range(count)]
     assert len(np.unique(picture(subjects, 4.5))) > 20
-    stage = Stage(subjects, SIZE, Look(), yuv=False)
+    stage = Composition(subjects, SIZE, Look(), yuv=False)
     assert list(stage.times(10))[-1] >= 4 + count - 1
 
 
 def test_no_recording_is_refused():
     with pytest.raises(ValueError, match="give one or more"):
-        Stage([], SIZE, Look(), yuv=False)
+        Composition([], SIZE, Look(), yuv=False)
 
 
 def test_frames_do_not_depend_on_the_number_of_threads(tmp_path):
@@ -176,8 +176,8 @@ def test_a_canvas_of_another_size_stands_beside_the_first(make):
 @pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (854, 480), (480, 270)])
 def test_a_wide_world_fills_a_wide_frame(make, size):
     """The caption stands below a world of 100 m x 50 m, which then takes most of the frame, and nobody is cut off."""
-    stage = Stage(make(prey=4, predators=0), size, Look(), yuv=False)
-    held, box = stage.operators[0], stage.boxes[0]
+    stage = Composition(make(prey=4, predators=0), size, Look(), yuv=False)
+    held, box = stage.rigs[0], stage.boxes[0]
     scale = held.at(0.0).scale
     assert box.width == size[0]
     assert 100 * scale * 50 * scale > 0.55 * size[0] * size[1]
@@ -185,8 +185,8 @@ def test_a_wide_world_fills_a_wide_frame(make, size):
 
 
 def test_whoever_leaves_the_world_stays_in_the_picture(make):
-    stage = Stage(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
-    recording, held, box = stage.scene.subjects[0], stage.operators[0], stage.boxes[0]
+    stage = Composition(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
+    recording, held, box = stage.scene.subjects[0], stage.rigs[0], stage.boxes[0]
     spots = np.concatenate([held.at(0.0).place(each.position).reshape(-1, 2) for each in (recording.prey, recording.predators)])
     assert (spots > (box.left, box.top)).all()
     assert (spots < (box.right, box.bottom)).all()
@@ -195,7 +195,7 @@ def test_whoever_leaves_the_world_stays_in_the_picture(make):
 def test_what_is_kept_between_frames_changes_no_picture(chase, make):
     """Trials end at different times; marks, trails and scenes that are over are drawn once and kept."""
     subjects = [chase, make(ticks=60)]
-    stage = Stage(subjects, SIZE, Look(), yuv=False)
+    stage = Composition(subjects, SIZE, Look(), yuv=False)
     for time in (3.5, 4.5, 55.0, 40.5, 58.5, 3.5):
         kept = stage.frame(time, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3)
         assert (kept == picture(subjects, time)).all()

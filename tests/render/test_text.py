@@ -1,10 +1,69 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
-from render.raster.glyphs import Atlas, plain, width, wrapped
+import render
+from render.raster import faces
+from render.raster.glyphs import Atlas, width, wrapped
+
+LINES = {
+    "Chinese": "六只猎物穿过十个障碍物",
+    "Cyrillic": "Шесть жертв",
+    "Arabic": "ست فرائس تهرب",
+    "Hebrew": "שלום עולם",
+    "Korean": "한국어",
+    "Greek": "Ωμέγα",
+    "signs": "σ ± 5 µm, 3 m² × 2 ≥ 1 – Zürich → ½",
+}
 
 
-def test_letters_that_the_face_lacks_become_plain_ones():
-    assert plain("café – 2 × 3 → München") == "cafe - 2 x 3 -> Munchen"
+def _ink(text):
+    atlas = Atlas()
+    place = atlas._placed(faces.seen(text), 24)
+    left, top, wide, high = place[:4]
+    return atlas.ink[top : top + high, left : left + wide]
+
+
+@pytest.mark.parametrize("text", LINES.values(), ids=LINES.keys())
+def test_a_face_is_found_for_what_people_write(text):
+    assert all(faces.MISSING not in letters for _, letters in faces.runs(faces.seen(text)))
+    assert _ink(text).any()
+    assert abs(_ink(text).shape[1] - width(text, 24)) < 12
+
+
+def test_signs_are_not_lost():
+    assert width("5 µm", 24) > width("5 m", 24) + 5
+    assert not np.array_equal(_ink("±"), _ink("+"))
+
+
+def test_what_no_face_has_is_a_visible_mark():
+    assert faces.runs("\U0001f600")[0][1] == faces.MISSING
+    assert _ink("\U0001f600").any()
+
+
+def test_arabic_is_joined_and_runs_from_right_to_left():
+    joined = faces.seen("سلام")
+    assert joined != "سلام"
+    assert all("\ufe70" <= letter <= "\ufefc" for letter in joined)
+    assert faces.seen("abc שלום") == "abc םולש"  # the Latin word leads, as its line is one of left to right
+
+
+def test_lines_without_spaces_break_between_letters():
+    lines = wrapped(LINES["Chinese"] * 3, 20, 120, 9)
+    assert len(lines) > 3
+    assert "".join(lines) == LINES["Chinese"] * 3
+    assert all(width(line, 20) <= 120 for line in lines)
+
+
+@pytest.mark.parametrize("title", ["", " ", "\x00\x1b[31m", "\u200b", *LINES.values()])
+@pytest.mark.parametrize("size", [(320, 180), (180, 320)])
+def test_any_title_makes_a_picture(make, title, size):
+    recording = make()
+    titled = replace(recording, scenario=recording.scenario.replaced({"title": title, "source": title}))
+    assert next(iter(render.frames(titled, size=size))).shape == (size[1], size[0], 3)
+    pair = render.frames([titled, titled], size=size, labels=[title, title])
+    assert next(iter(pair)).shape == (size[1], size[0], 3)
 
 
 def test_wrapped_lines_fit_and_end_in_an_ellipsis():

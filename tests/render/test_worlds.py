@@ -6,8 +6,8 @@ import pytest
 import render
 import tiswarm
 from render.captions.caption import counters
-from render.composition import Stage
-from render.scene.background import Field
+from render.composition import Composition
+from render.scene.background import Field, reaching_in
 from render.scene.coverage import Cells
 from render.source import is_sky
 from render.style import Look
@@ -57,12 +57,12 @@ def crossing(dim: int = 2) -> Recording:
     return world(path(position, np.eye(dim)[0]), **{"world.boundary": "periodic"})
 
 
-def picture(recording: Recording, time: float, size=SIZE, **look: object) -> tuple[Stage, np.ndarray]:
-    stage = Stage(recording, size, Look(**look), yuv=False)  # type: ignore[arg-type]
+def picture(recording: Recording, time: float, size=SIZE, **look: object) -> tuple[Composition, np.ndarray]:
+    stage = Composition(recording, size, Look(**look), yuv=False)  # type: ignore[arg-type]
     return stage, stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3).astype(int)
 
 
-def what_moves(recording: Recording, time: float, **look: object) -> tuple[Stage, np.ndarray]:
+def what_moves(recording: Recording, time: float, **look: object) -> tuple[Composition, np.ndarray]:
     """Tell which pixels the agents and their trails change."""
     stage, image = picture(recording, time, **look)
     ground = world(
@@ -83,7 +83,7 @@ def test_whoever_wraps_leaves_no_streak(camera, time):
 
 def test_an_agent_on_a_periodic_edge_is_seen_on_both_sides():
     stage, moving = what_moves(crossing(), 5.0, trail=0)
-    camera = stage.operators[0].at(5.0)
+    camera = stage.rigs[0].at(5.0)
     (left, _), (right, _) = camera.place(np.array([[0.0, 10.0], [40.0, 10.0]]))
     columns = moving.any(axis=0).nonzero()[0]
     assert columns.min() <= left + 2
@@ -95,10 +95,8 @@ def test_an_agent_on_a_periodic_edge_is_seen_on_both_sides():
 
 def test_a_trail_goes_on_behind_a_periodic_edge():
     stage, moving = what_moves(crossing(), 7.0, trail=2.0)
-    y = int(stage.operators[0].at(7.0).place(np.array([[0.0, 10.0]]))[0, 1])
-    spots = (
-        stage.operators[0].at(7.0).place(np.array([[37.0, 10.0], [39.5, 10.0], [0.5, 10.0], [20.0, 10.0]]))[:, 0].astype(int)
-    )
+    y = int(stage.rigs[0].at(7.0).place(np.array([[0.0, 10.0]]))[0, 1])
+    spots = stage.rigs[0].at(7.0).place(np.array([[37.0, 10.0], [39.5, 10.0], [0.5, 10.0], [20.0, 10.0]]))[:, 0].astype(int)
     assert [bool(moving[y - 1 : y + 2, x - 1 : x + 2].any()) for x in spots] == [True, True, True, False]
 
 
@@ -121,7 +119,7 @@ def test_walls_are_drawn_where_there_are_walls():
     still = path(np.full((2, 1, 2), 5.0), np.zeros(2))
     stage, walled = picture(world(still, **{"world.boundary": "walls"}), 0.0)
     _, free = picture(world(still), 0.0)
-    (left, top), _ = stage.operators[0].at(0.0).place(np.array([[0.0, 20.0], [40.0, 0.0]]))
+    (left, top), _ = stage.rigs[0].at(0.0).place(np.array([[0.0, 20.0], [40.0, 0.0]]))
     wall = np.abs(walled - free).max(axis=2)
     assert wall[100, max(int(left) - 4, 0) : int(left) + 1].max() > 30
     assert wall[max(int(top) - 4, 0) : int(top) + 1, 200].max() > 30
@@ -137,7 +135,7 @@ def test_only_what_can_happen_is_counted():
     still, hunter = path(np.full((2, 3, 2), 5.0), np.zeros(2)), path(np.full((2, 1, 2), 12.0), np.zeros(2))
 
     def names(recording: Recording, **look: object) -> list[str]:
-        return [counter.name for counter in counters(Stage(recording, SIZE, Look(**look), yuv=False).scene)]  # type: ignore[arg-type]
+        return [counter.name for counter in counters(Composition(recording, SIZE, Look(**look), yuv=False).scene)]  # type: ignore[arg-type]
 
     assert names(world(still)) == []
     assert names(world(still), overlay=("coverage",)) == ["cleaned"]
@@ -162,19 +160,19 @@ def test_deep_worlds_of_every_kind_can_be_drawn(boundary, theme):
     recording = world(flock, obstacles=4, **{"world.boundary": boundary, "target.present": True})
     stage, image = picture(recording, 6.5, theme=theme)
     assert len(np.unique(image)) > 30
-    assert not stage.operators[0].still, "an orbit is what deep worlds have for fit"
+    assert not stage.rigs[0].still, "an orbit is what deep worlds have for fit"
 
 
 def test_flat_and_deep_worlds_do_not_mix():
     deep = path(np.full((2, 1, 3), 5.0), np.zeros(3))
     with pytest.raises(ValueError, match="one by one"):
-        Stage([world(deep), crossing()], SIZE, Look(), yuv=False)
+        Composition([world(deep), crossing()], SIZE, Look(), yuv=False)
 
 
 def test_cleaned_ground_is_what_tools_have_passed_over():
     position = np.stack([np.linspace(5, 35, 31), np.full(31, 10.0)], axis=1)[:, None]
     recording = world(path(position, np.array([1.0, 0.0])), **{"prey.radius": 1.0, "world.boundary": "walls"})
-    stage = Stage(recording, SIZE, Look(overlay=("coverage",)), yuv=False)
+    stage = Composition(recording, SIZE, Look(overlay=("coverage",)), yuv=False)
     stage.frame(30.0, stage.canvas.blank())
     coverage = stage.scene.coverage
     assert coverage is not None
@@ -185,7 +183,7 @@ def test_the_share_in_the_caption_is_the_measure():
     position = np.stack([np.linspace(5, 35, 31), 10 + 3 * np.sin(np.arange(31.0))], axis=1)[:, None]
     grid = {"coverage.cell": 0.7, "coverage.tool": 1.2, "world.boundary": "walls"}
     recording = world(path(position, np.array([1.0, 0.0])), obstacles=2, **grid)
-    stage = Stage(recording, SIZE, Look(), yuv=False)
+    stage = Composition(recording, SIZE, Look(), yuv=False)
     stage.frame(30.0, stage.canvas.blank())
     coverage, measured = stage.scene.coverage, recorded.coverage(recording)
     assert coverage is not None
@@ -198,8 +196,8 @@ def test_a_camera_goes_with_a_swarm_that_leaves_an_open_world_for_good():
     for target, still in ((False, False), (True, True)):
         recording = world(path(position, np.array([5.0, 0.0])), **{"target.present": target})
         stage, _ = picture(recording, 39.0)
-        assert stage.operators[0].still == still
-    spot = picture(world(path(position, np.array([5.0, 0.0]))), 35.0)[0].operators[0].at(35.0).place(position[35])
+        assert stage.rigs[0].still == still
+    spot = picture(world(path(position, np.array([5.0, 0.0]))), 35.0)[0].rigs[0].at(35.0).place(position[35])
     assert 50 < spot[0, 0] < 350
 
 
@@ -219,7 +217,21 @@ def test_a_field_is_drawn_as_arrows(tmp_path):
     recording = world(path(np.full((2, 1, 2), 5.0), np.zeros(2)), obstacles=1)
     points = np.stack(np.meshgrid(np.arange(2.0, 40, 4), np.arange(2.0, 20, 4)), axis=-1).reshape(-1, 2)
     field = Field(points, points - recording.obstacle_position)
-    stages = [Stage(recording, SIZE, Look(), yuv=False, field=each) for each in (field, None)]
+    stages = [Composition(recording, SIZE, Look(), yuv=False, field=each) for each in (field, None)]
     drawn, plain = (stage.frame(0.0, stage.canvas.blank()).reshape(240, 400, 3).astype(int) for stage in stages)
     assert (np.abs(drawn - plain).max(axis=2) > 20).sum() > 200
     render.poster(recording, tmp_path / "a.png", SIZE, field=Field(points, np.zeros_like(points)))
+
+
+def test_what_reaches_across_a_periodic_edge_is_drawn_on_both_sides():
+    centres, radii = np.array([[39.0, 10.0], [0.5, 0.5], [20.0, 10.0]]), np.array([2.0, 1.0, 2.0])
+    sky = world(path(np.full((2, 1, 2), 20.0), np.zeros(2)), **{"world.boundary": "periodic"})
+    images, sizes = reaching_in(sky, centres, radii)
+    there = {(*map(float, spot), float(size)) for spot, size in zip(images, sizes, strict=True)}
+    corner = {(x, y, 1.0) for x in (0.5, 40.5) for y in (0.5, 20.5)}
+    assert there == {(39.0, 10.0, 2.0), (-1.0, 10.0, 2.0), (20.0, 10.0, 2.0)} | corner
+    room, wide = np.array([[0.5, 5.0, 10.0]]), np.array([1.0])
+    walls = world(path(np.full((2, 1, 2), 20.0), np.zeros(2)), **{"world.boundary": "walls"})
+    assert len(reaching_in(walls, centres, radii)[0]) == 3
+    deep = world(path(np.full((2, 1, 3), 10.0), np.zeros(3)), **{"world.boundary": "periodic"})
+    assert sorted(reaching_in(deep, room, wide)[0][:, 0].tolist()) == [0.5, 40.5]

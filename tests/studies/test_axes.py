@@ -73,6 +73,8 @@ def test_axes_that_cannot_be_combined_are_refused(axes, combine, samples, said):
         {"key": "a", "low": 2.0, "high": 1.0},
         {"key": "a", "low": 0.0, "high": 1.0, "scale": "log"},
         {"key": ("a", "b"), "values": (1, 2)},
+        {"key": ("a", "b"), "values": ((),)},
+        {"key": ("a", "b"), "values": ((1, 2, 3),)},
         {"key": ("a", "b"), "low": 0.0, "high": 1.0},
         {"key": ("a", "a"), "values": ((1, 2),)},
     ],
@@ -80,6 +82,16 @@ def test_axes_that_cannot_be_combined_are_refused(axes, combine, samples, said):
 def test_axes_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValidationError):
         Axis(**wrong)
+
+
+def test_a_value_that_ends_early_leaves_the_keys_behind_alone():
+    axes = [Axis(key=("a", "b"), values=(("x", 1), ("y",))), Axis(key="c", values=(5, 6))]
+    assert points(axes, "grid", None) == [
+        {"a": "x", "b": 1, "c": 5},
+        {"a": "x", "b": 1, "c": 6},
+        {"a": "y", "c": 5},
+        {"a": "y", "c": 6},
+    ]
 
 
 def test_labels_read_as_the_values_do():

@@ -310,13 +310,17 @@ def test_a_small_game_from_cells_to_mixtures(tmp_path, f32):
     from tiswarm.studies.payoffs import contest
 
     text = 'title = "g"\nbase = "delft/pronav-10"\ntrials = 60\n[game]\nprey = ["prey.strategy"]\n'
-    text += 'predators = ["predators.strategy"]\n[[axes]]\nkey = "prey.strategy"\nvalues = ["baseline", "explode", "split"]\n'
-    text += '[[axes]]\nkey = "predators.strategy"\nvalues = ["centre", "pronav"]\n'
+    text += 'predators = ["predators.strategy", "predators.weights.labels"]\n'
+    text += '[[axes]]\nkey = "prey.strategy"\nvalues = ["baseline", "explode", "split"]\n'
+    text += '[[axes]]\nkey = ["predators.strategy", "predators.weights.labels"]\n'
+    text += 'values = [["centre"], ["pronav"], ["cluster", "kept"]]\n'
     (tmp_path / "g.toml").write_text(text)
     report = run_study(str(tmp_path / "g.toml"))
     played = contest(report)
-    assert (played.rows, played.columns) == (["baseline", "explode", "split"], ["centre", "pronav"])
-    assert played.payoff[2, 1] == report.rows[5].values("success").mean()
+    assert (played.rows, played.columns) == (["baseline", "explode", "split"], ["centre", "pronav", "cluster/kept"])
+    assert played.payoff[2, 1] == report.rows[7].values("success").mean()
+    assert report.keys == ["prey.strategy", "predators.strategy", "predators.weights.labels"]
+    assert [line["predators.weights.labels"] for line in report.cells()[:3]] == [None, None, "kept"]
     told = json.loads(played.to_json())
     assert told["value"]["low"] <= told["value"]["mean"] <= told["value"]["high"]
     assert sum(each["share"] for each in told["prey"].values()) == pytest.approx(1)

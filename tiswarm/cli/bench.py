@@ -38,9 +38,9 @@ def bench(
     """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
     from tiswarm.cli import figures as charts
     from tiswarm.cli.progress_table import watching
-    from tiswarm.records.results import write_text
     from tiswarm.studies import console, design, export, run
     from tiswarm.studies.payoffs import contest
+    from tiswarm.system.files import write_text
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")

@@ -6,15 +6,12 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from tiswarm.cli.options import Precision, Quiet, Seed, Sets, StrategyPath, Threads, WrongInput, load_scenario, out
+from tiswarm.cli.options import Sets, StrategyPath, WrongInput, load_scenario, out, with_common_options
 
 
+@with_common_options
 def presets(
     strategy_path: StrategyPath = None,
-    seed: Seed = 0,  # noqa: ARG001 - every verb takes the same four
-    threads: Threads = None,  # noqa: ARG001
-    precision: Precision = "f32",  # noqa: ARG001
-    quiet: Quiet = False,  # noqa: ARG001
 ) -> None:
     """List presets, studies and strategies, with one line each."""
     from tiswarm.scenario import presets as shelf
@@ -40,6 +37,7 @@ def presets(
         out.print(table)
 
 
+@with_common_options
 def show(
     preset: Annotated[
         str | None, typer.Argument(metavar="[PRESET]", help="A preset's name or the path of a TOML file.")
@@ -47,14 +45,11 @@ def show(
     sets: Sets = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a scenario instead.")] = False,
     strategy_path: StrategyPath = None,
-    seed: Seed = 0,  # noqa: ARG001 - every verb takes the same four
-    threads: Threads = None,  # noqa: ARG001
-    precision: Precision = "f32",  # noqa: ARG001
-    quiet: Quiet = False,  # noqa: ARG001
 ) -> None:
     """Print a scenario as TOML, defaults filled in."""
     import json
 
+    from tiswarm.engine.choice import engine_of
     from tiswarm.scenario.model import Scenario
     from tiswarm.strategies import registry
 
@@ -65,4 +60,5 @@ def show(
     elif preset is None:
         raise WrongInput("show: name a preset, for example 'tiswarm show delft/pronav-10', or use --schema")
     else:
-        sys.stdout.write(load_scenario(preset, sets).to_toml())
+        scenario = load_scenario(preset, sets)
+        sys.stdout.write(f"# engine: {engine_of(scenario)}\n{scenario.to_toml()}")

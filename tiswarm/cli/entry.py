@@ -13,7 +13,9 @@ from tiswarm.cli.bench import bench
 from tiswarm.cli.catalogue import presets, show
 from tiswarm.cli.film import demo, film
 from tiswarm.cli.options import out
+from tiswarm.cli.replay import replay
 from tiswarm.cli.run import run, speed
+from tiswarm.cli.tune import tune
 from tiswarm.system.progress import INTERRUPTED, heed_interrupts, listen_for_interrupts
 
 app = typer.Typer(
@@ -23,7 +25,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _verb in (presets, show, run, film, demo, bench, speed):
+for _verb in (presets, show, run, film, replay, demo, bench, tune, speed):
     app.command()(_verb)
 
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from tiswarm.cli.options import WrongInput
 from tiswarm.records.results import Z95
-from tiswarm.strategies.registry import nearest
 from tiswarm.studies.axes import label
 from tiswarm.studies.design import Figure
 from tiswarm.studies.payoffs import SHOWN, Contest
 from tiswarm.studies.report import Report, Row, figures_of
+from tiswarm.system.words import did_you_mean
 
 AXES = {"success": "share of prey that arrive", "time": "trial time [s]", "impact_spread": "last minus first arrival [s]"}
 
@@ -23,7 +23,7 @@ def chosen(text: str | None) -> tuple[Any, ...] | None:
     names = [] if text.strip() == "none" else [name.strip() for name in text.split(",") if name.strip()]
     for name in names:
         if name not in get_args(Figure):
-            raise WrongInput(f"--figures {text}: unknown '{name}'; {nearest(name, [*get_args(Figure), 'none'])}")
+            raise WrongInput(f"--figures {text}: unknown '{name}'; {did_you_mean(name, [*get_args(Figure), 'none'])}")
     return tuple(names)
 
 
@@ -161,7 +161,8 @@ def _game(report: Report, played: Contest, folder: Path) -> None:
     shares = [
         f"against {name}, played {share:.0%}" for name, share in zip(played.columns, played.solution.columns, strict=True)
     ]
-    if len(rules.prey) == 2:
+    axes = [axis.keys for axis in report.rows[0].cell.table.axes]
+    if len(rules.prey) == 2 and all((key,) in axes for key in rules.prey):  # a grid, not two keys that change together
         points = [cells[0].cell.point for cells in played.cells]
         names = [list(dict.fromkeys(label(point[key]) for point in points)) for key in rules.prey]
         shape = tuple(map(len, names))

@@ -111,10 +111,10 @@ def film(
 def _played(scenario: Any, trial: int, seed: int) -> Any:
     """Give a trial to film: a recording, or a large swarm that runs while it is filmed."""
     import tiswarm
-    from tiswarm.engine.choice import by_grid
+    from tiswarm.engine.choice import engine_of
 
-    if by_grid(scenario):
-        return tiswarm.Swarm(scenario, seed, trial=trial)
+    if engine_of(scenario) == "grid":
+        return tiswarm.Simulation(scenario, seed, trial)
     return tiswarm.record(scenario, trial, seed)
 
 
@@ -128,7 +128,7 @@ def _again(subject: Any) -> Any:
 def _is_live(subject: Any) -> bool:
     import tiswarm
 
-    return isinstance(subject, tiswarm.Swarm)
+    return isinstance(subject, tiswarm.Simulation)
 
 
 def _middle(subject: Any) -> float | None:

@@ -1,6 +1,9 @@
 """Options: what the verbs of the command line take, and how it is read."""
 
 import sys
+from collections.abc import Callable
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,6 +31,31 @@ StrategyPath = Annotated[
 Theme = Annotated[str, typer.Option("--theme", metavar="NAME", help="dark, light or print.")]
 Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height of the film in pixels, both even.")]
 Fps = Annotated[int | None, typer.Option("--fps", metavar="N", help="Frames per second; 60, or 25 in a GIF, when left out.")]
+
+
+_COMMON: dict[str, tuple[Any, Any]] = {
+    "seed": (Seed, 0),
+    "threads": (Threads, None),
+    "precision": (Precision, "f32"),
+    "quiet": (Quiet, False),
+}
+"""Option -> its type and default: every verb takes these four."""
+
+
+def with_common_options(verb: Callable[..., None]) -> Callable[..., None]:
+    """Let a verb take the four options of all verbs that needs none of them."""
+    own = signature(verb)
+    common = [
+        Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=of) for name, (of, default) in _COMMON.items()
+    ]
+
+    @wraps(verb)
+    def wrapped(**given: Any) -> None:
+        verb(**{name: given[name] for name in own.parameters})
+
+    wrapped.__signature__ = own.replace(parameters=[*own.parameters.values(), *common])  # type: ignore[attr-defined]
+    wrapped.__annotations__ = verb.__annotations__ | {name: of for name, (of, _) in _COMMON.items()}
+    return wrapped
 
 
 class WrongInput(ValueError):

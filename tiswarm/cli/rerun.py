@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from tiswarm.cli.options import WrongInput
-from tiswarm.engine.trials.batch import simulate
-from tiswarm.engine.trials.trial import record
+from tiswarm.engine.run import record, simulate
 from tiswarm.scenario.model import validated
 from tiswarm.studies.run import outcomes_of
 from tiswarm.studies.store import read_cell, read_manifest
@@ -23,6 +22,15 @@ class Rebuilt:
         self._folder = path.parent
         self._told = read_manifest(path)
         self.precision: str = self._told["precision"]
+
+    @property
+    def count(self) -> int:
+        """Count the cells."""
+        return len(self._told["cells"])
+
+    def row(self, number: int) -> str:
+        """Name a cell by its row in the tables."""
+        return str(self.cell(number)["row"])
 
     def cell(self, number: int) -> dict[str, Any]:
         """Find a cell by its number in the tables. Errors: WrongInput."""

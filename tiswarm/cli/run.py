@@ -108,11 +108,11 @@ def speed(
 ) -> None:
     """Measure this machine's throughput, with the work stated."""
     from tiswarm.engine.throughput import WORK, measure
-    from tiswarm.records import results
+    from tiswarm.records.manifest import processor
     from tiswarm.simd import runtime
 
     start(seed, threads, precision)
-    table = Table(title=f"{results.processor()}, {runtime.start().threads} threads, {precision}", title_justify="left")
+    table = Table(title=f"{processor()}, {runtime.start().threads} threads, {precision}", title_justify="left")
     for head in ("work", "trials", "trials/s", "first call [s]"):
         table.add_column(head, justify="left" if head == "work" else "right")
     for work in WORK:

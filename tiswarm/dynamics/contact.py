@@ -1,69 +1,42 @@
-"""Contact: who dies, who arrives, and what the obstacles' fields do, judged on the state that the last move left."""
+"""Contact: the rules of who dies, arrives and bounces, for one agent in lanes; whose turn it is, each engine's loops say."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import (
-    AGE,
-    ALIVE_COUNT,
-    ARRIVED,
-    ARRIVED_COUNT,
-    CAPTURED,
-    CAPTURED_COUNT,
-    CRASHED,
-    CRASHED_COUNT,
-    DONE,
-    FIRST_ARRIVAL,
-    LAST_ARRIVAL,
-    ON,
-    Layout,
-)
-from tiswarm.simd.lanes import anywhere, dot, larger, near, safe
+from tiswarm.dynamics.table import ARRIVED, CRASHED, Layout
+from tiswarm.dynamics.views import Views
+from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, unit
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
-    """Build `judge`."""
+@dataclass(frozen=True)
+class ContactRules:
+    """The rules of contact, each for one agent in lanes."""
+
+    meet_obstacle: dict[str, Func]
+    crash: dict[str, Func]
+    touches: Func
+    die: Func  # take an agent out of the trial where `dies` is 1
+    arrive: Func
+    rebound: Func
+
+
+def build(layout: Layout, types: Types, see: Views) -> ContactRules:
+    """Build meet_obstacle and crash (kind -> func), touches, die, arrive and rebound.
+
+    Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`
+    is 0 for a start that has not moved yet, which is not judged. Judging the same state twice changes nothing the second time.
+    """
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
-    hunted = layout.structure.hunted
-    prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
-    prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
-    prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
 
-    def meets_obstacles(kind: str):
-        fields = layout.parts(kind, "avoidance", "field")
-
-        @ti.func
-        def meet(agents: ti.template(), a, me, obstacles: ti.template(), numbers: ti.template(), b, count, target):
-            """Store the fields' pull on an agent and give 1 where it touches an obstacle: both need the same distances."""
-            touched = lanes(0.0)
-            pull = [lanes(0.0) for _ in ti.static(range(dim))]
-            for j in range(count):
-                obstacle = see.obstacle_at(obstacles, b, count, j)
-                away = see.gap(me, obstacle, numbers, b)
-                distance2 = dot(away, away)
-                size = me.radius + obstacle.radius
-                touched += ti.select(distance2 < size * size, 1.0, 0.0)
-                for p in ti.static(fields):
-                    weights = see.weights_of(p, numbers, b)
-                    reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
-                    inside = distance2 <= reach * reach
-                    if anywhere(inside):
-                        push = p.strategy.field(away, safe(distance2), me, obstacle, target, weights)
-                        share = ti.select(inside, weights.on, 0.0)
-                        for k in ti.static(range(dim)):
-                            pull[k] += share * push[k]
-            for k in ti.static(range(dim)):
-                agents[a + rows.field[k]] = pull[k]
-            return ti.select(touched > 0.5, 1.0, 0.0)
-
-        return meet
-
-    meet_prey = meets_obstacles("prey")
-    meet_predators = meets_obstacles("predators")
+    @ti.func
+    def touches(way: ti.template(), reach):
+        """Tell whether two bodies overlap. way: between their centres; reach: the sum of their radii [m]."""
+        return dot(way, way) < reach * reach
 
     @ti.func
     def reached(me: ti.template(), target, numbers: ti.template(), b, depth):
@@ -75,110 +48,82 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
         return inside
 
     @ti.func
-    def die(agents: ti.template(), a, alive, dies, fate: ti.template()):
-        agents[a + rows.alive] = alive - dies
+    def die(agents: ti.template(), a, dies, fate: ti.template()):
+        """Take an agent out of the trial where `dies` is 1."""
+        agents[a + rows.alive] = ti.select(dies > 0.5, 0.0, agents[a + rows.alive])
         agents[a + rows.fate] = ti.select(dies > 0.5, float(fate), agents[a + rows.fate])
 
-    @ti.func
-    def crash_predators(predators: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, counts, moved, target):
-        limits = see.limits_of(numbers, b, at.predators)
-        for j in range(counts[1]):
-            q = (b * counts[1] + j) * predator_rows
-            me = predator_at(predators, q, j, limits)
-            touched = meet_predators(predators, q, me, obstacles, numbers, b, counts[2], target)
-            if ti.static(not frame.counts_hits):
-                crashed = moved * me.alive * ti.max(touched, reached(me, target, numbers, b, target.radius))
-                die(predators, q, me.alive, crashed, CRASHED)
+    def meets_obstacle(kind: str):
+        fields = layout.parts(kind, "avoidance", "field")
+
+        @ti.func
+        def meet_obstacle(
+            touched: ti.template(), pull: ti.template(), me: ti.template(), obstacle: ti.template(), away: ti.template(),
+            target: ti.template(), numbers: ti.template(), b,
+        ):  # fmt: skip
+            """Count an obstacle that an agent touches in touched[0], and add its fields to `pull`: both need the distance."""
+            distance2 = dot(away, away)
+            touched[0] += ti.select(touches(away, me.radius + obstacle.radius), 1.0, 0.0)
+            for p in ti.static(fields):
+                weights = see.weights_of(p, numbers, b)
+                reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
+                inside = distance2 <= reach * reach
+                if anywhere(inside):
+                    push = p.strategy.field(away, safe(distance2), me, obstacle, target, weights)
+                    share = ti.select(inside, weights.on, 0.0)
+                    for k in ti.static(range(dim)):
+                        pull[k] += share * push[k]
+
+        return meet_obstacle
 
     @ti.func
-    def crash_prey(prey: ti.template(), obstacles: ti.template(), numbers: ti.template(), b, counts, moved, target):
-        limits = see.limits_of(numbers, b, at.prey)
-        crashed_count = lanes(0.0)
-        for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
-            me = prey_at(prey, a, i, limits)
-            touched = moved * me.alive * meet_prey(prey, a, me, obstacles, numbers, b, counts[2], target)
-            if ti.static(frame.counts_hits):
-                prey[a + rows.hit] = larger(prey[a + rows.hit], touched)
-            else:
-                die(prey, a, me.alive, touched, CRASHED)
-                crashed_count += touched
-        return crashed_count
+    def crash_prey(agents: ti.template(), a, me: ti.template(), touched, moved, target, numbers: ti.template(), b):  # noqa: ARG001
+        """Let a prey die of the obstacles it touches, or only note that it did; give 1 where it dies."""
+        hit = moved * me.alive * ti.select(touched > 0.5, 1.0, 0.0)
+        crashed = lanes(0.0)
+        if ti.static(frame.counts_hits):
+            agents[a + rows.hit] = larger(agents[a + rows.hit], hit)
+        else:
+            crashed = hit
+            die(agents, a, crashed, CRASHED)
+        return crashed
 
     @ti.func
-    def capture(prey: ti.template(), predators: ti.template(), numbers: ti.template(), b, counts, moved):
-        """Let pairs kill, all judged on the same lists: one predator can take two prey at once; of a deadly touch both die."""
-        n = b * width
-        reach = numbers[n + at.prey.radius] + numbers[n + at.predators.radius]
-        reach2 = reach * reach
-        captured_count = lanes(0.0)
-        for j in range(counts[1]):
-            predators[(b * counts[1] + j) * predator_rows + rows.hit] = lanes(0.0)
-        for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
-            me = prey_mate(prey, a, i)
-            captured = lanes(0.0)
-            for j in range(counts[1]):
-                q = (b * counts[1] + j) * predator_rows
-                hunter = predator_mate(predators, q, j)
-                way = see.gap(me, hunter, numbers, b)
-                touch = dot(way, way) < reach2
-                if anywhere(touch):
-                    hit = ti.select(touch, moved * me.alive * hunter.alive, 0.0)
-                    captured = ti.max(captured, hit)
-                    predators[q + rows.hit] = ti.max(predators[q + rows.hit], hit)
-            die(prey, a, me.alive, captured, CAPTURED)
-            captured_count += captured
-        if ti.static(frame.contact == "deadly"):  # noqa: SIM102 - one branch at compile time, one at run time
-            if anywhere(captured_count > 0.5):
-                for j in range(counts[1]):
-                    q = (b * counts[1] + j) * predator_rows
-                    die(predators, q, predators[q + rows.alive], predators[q + rows.hit], CAPTURED)
-        return captured_count
+    def crash_predator(agents: ti.template(), a, me: ti.template(), touched, moved, target, numbers: ti.template(), b):
+        """Let a predator die of obstacles and of the target, unless obstacles only count; give 1 where it dies."""
+        crashed = lanes(0.0)
+        if ti.static(not frame.counts_hits):
+            hit = ti.select(touched > 0.5, 1.0, 0.0)
+            crashed = moved * me.alive * larger(hit, reached(me, target, numbers, b, target.radius))
+            die(agents, a, crashed, CRASHED)
+        return crashed
 
     @ti.func
-    def arrive(prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, counts, moved, target):
-        """Take prey that lie wholly inside the target out of the trial; give how many stay."""
-        depth = ti.max(target.radius - numbers[b * width + at.prey.radius], 0.0)
-        arrived_count = lanes(0.0)
-        alive_count = lanes(0.0)
-        for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
-            me = prey_mate(prey, a, i)
-            arrived = moved * me.alive * reached(me, target, numbers, b, depth)
-            die(prey, a, me.alive, arrived, ARRIVED)
-            arrived_count += arrived
-            alive_count += me.alive - arrived
-        first = (clock[b, ARRIVED_COUNT] < 0.5) & (arrived_count > 0.5)
-        clock[b, FIRST_ARRIVAL] = ti.select(first, clock[b, AGE], clock[b, FIRST_ARRIVAL])
-        clock[b, LAST_ARRIVAL] = ti.select(arrived_count > 0.5, clock[b, AGE], clock[b, LAST_ARRIVAL])
-        clock[b, ARRIVED_COUNT] = clock[b, ARRIVED_COUNT] + arrived_count
-        return alive_count
+    def arrive(agents: ti.template(), a, me: ti.template(), moved, target, numbers: ti.template(), b):
+        """Take a prey that lies wholly inside the target out of the trial; give 1 where it arrives."""
+        depth = larger(target.radius - numbers[b * width + at.prey.radius], 0.0)
+        arrived = moved * agents[a + rows.alive] * reached(me, target, numbers, b, depth)
+        die(agents, a, arrived, ARRIVED)
+        return arrived
 
     @ti.func
-    def judge(
-        prey: ti.template(),
-        predators: ti.template(),
-        obstacles: ti.template(),
-        numbers: ti.template(),
-        clock: ti.template(),
-        b,
-        counts,
-    ):
-        """Obstacles and the target kill, then pairs kill, then prey arrive; a start that has not moved is not judged.
+    def rebound(me: ti.template(), mate: ti.template(), away: ti.template(), reach):
+        """Give what a body loses to another of equal mass that it touches and approaches, and that one gains: [axis], m/s.
 
-        Judging the same state twice changes nothing the second time, so a trial can pause between two ticks.
+        They exchange their velocities along the line of centres, which conserves momentum and kinetic energy.
         """
-        moved = ti.select(clock[b, AGE] > 0.5, 1.0, 0.0)
-        target = see.target_of(numbers, b)
-        if ti.static(hunted):
-            crash_predators(predators, obstacles, numbers, b, counts, moved, target)
-        clock[b, CRASHED_COUNT] = clock[b, CRASHED_COUNT] + crash_prey(prey, obstacles, numbers, b, counts, moved, target)
-        if ti.static(hunted and frame.contact in ("deadly", "eaten")):
-            clock[b, CAPTURED_COUNT] = clock[b, CAPTURED_COUNT] + capture(prey, predators, numbers, b, counts, moved)
-        alive_count = arrive(prey, numbers, clock, b, counts, moved, target)
-        clock[b, ALIVE_COUNT] = alive_count
-        ended = (alive_count < 0.5) | (clock[b, AGE] > numbers[b * width + at.ticks] - 0.5)
-        clock[b, DONE] = ti.select(ended, clock[b, ON], lanes(0.0))
+        line = unit(away)
+        apart = [mine - other for mine, other in ti.static(zip(rates(me), rates(mate), strict=True))]
+        closing = dot(apart, line)
+        touch = touches(away, reach) & (me.alive * mate.alive > 0.5)
+        given = ti.select(touch & (closing < 0.0), closing, 0.0)
+        return [given * line[k] for k in ti.static(range(dim))]
 
-    return SimpleNamespace(judge=judge)
+    return ContactRules(
+        meet_obstacle={kind: meets_obstacle(kind) for kind in ("prey", "predators")},
+        crash={"prey": crash_prey, "predators": crash_predator},
+        touches=touches,
+        die=die,
+        arrive=arrive,
+        rebound=rebound,
+    )

@@ -1,15 +1,44 @@
-"""Integrator: from a course to the next state: drives, the step itself, edges of the world, and prey that bounce."""
+"""Integrator: from a course to the next state: drives, the step itself, and edges of the world."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
-from tiswarm.simd.lanes import anywhere, cosine, dot, larger, motion, place, rates, safe, sine, smaller, unit
+from tiswarm.simd.lanes import cosine, dot, larger, place, safe, sine, smaller, unit
+from tiswarm.simd.runtime import Func
+from tiswarm.space import box, box_lanes
 
 
-def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
-    """Build wall_turn, bounce, and for each kind limited, drift, face, advance and commit, one agent each."""
+@ti.func
+def drifted(place, rate, step):
+    """Give a coordinate after half a step with the old velocity, so that forces are felt in its middle (Verlet)."""
+    half = 0.5 * step
+    return place + half * rate
+
+
+@dataclass(frozen=True)
+class KindSteps:
+    """The step of one kind of agents."""
+
+    limited: Func  # cap the speed; where there is a least speed, raise it to that
+    drift: Func  # half a step with the old velocity
+    face: Func  # let a unicycle that starts head where it moves, or along x when it stands
+    advance: Func  # write the next state down: p + v dt, or its second half under Verlet
+    commit: Func
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Steps of both kinds, and the turn near walls."""
+
+    wall_turn: Func  # turn away from walls that are nearer than the margin, by a fixed step of velocity
+    prey: KindSteps
+    predators: KindSteps
+
+
+def build(layout: Layout) -> Steps:
+    """Build wall_turn, and for each kind limited, drift, face, advance and commit, one agent each."""
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
@@ -17,7 +46,7 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
     @ti.func
     def wall_turn(course: ti.template(), me: ti.template(), numbers: ti.template(), b):
         """Turn away from walls that are nearer than the margin, by a fixed step of velocity."""
-        if ti.static(frame.boundary == "walls"):
+        if ti.static(box.walled(frame.boundary)):
             n = b * width
             margin = numbers[n + at.margin]
             step = numbers[n + at.turn_factor]
@@ -26,7 +55,7 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
                 course[k] += ti.select(here < margin, step, 0.0)
                 course[k] += ti.select(here > numbers[n + at.size[k]] - margin, -1.0 * step, 0.0)
 
-    def kind_of(kind: str) -> SimpleNamespace:
+    def kind_of(kind: str) -> KindSteps:
         columns = getattr(at, kind)
         unicycle, slow = kind in frame.unicycles, kind in frame.slow
 
@@ -43,10 +72,10 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
 
         @ti.func
         def drift(agents: ti.template(), a, numbers: ti.template(), b):
-            """Half a step with the old velocity, so that forces are felt in the middle of the step (Verlet)."""
-            half = 0.5 * numbers[b * width + at.dt]
+            """Half a step with the old velocity."""
+            step = numbers[b * width + at.dt]
             for k in ti.static(range(dim)):
-                agents[a + rows.place[k]] = agents[a + rows.place[k]] + half * agents[a + rows.motion[k]]
+                agents[a + rows.place[k]] = drifted(agents[a + rows.place[k]], agents[a + rows.motion[k]], step)
 
         @ti.func
         def face(agents: ti.template(), a, fresh):
@@ -92,47 +121,14 @@ def build(layout: Layout, see: SimpleNamespace) -> SimpleNamespace:
             """Take the next state over, inside the world's edges; who is gone stays where it went, at a finite place."""
             n = b * width
             here = agents[a + rows.alive] > 0.5
+            to = [agents[a + row] for row in ti.static(rows.next_place)]
+            rate = [agents[a + row] for row in ti.static(rows.next_motion)]
+            size = [numbers[n + column] for column in ti.static(at.size)]
+            box_lanes.confine(frame.boundary, to, rate, size, numbers[n + columns.radius])
             for k in ti.static(range(dim)):
-                to = agents[a + rows.next_place[k]]
-                rate = agents[a + rows.next_motion[k]]
-                size = numbers[n + at.size[k]]
-                if ti.static(frame.boundary == "periodic"):
-                    to = to - size * ti.floor(to / size)
-                    to = ti.select(to >= size, 0.0, to)  # rounding may lift a tiny negative number to the size itself
-                if ti.static(frame.boundary == "walls"):
-                    low = smaller(numbers[n + columns.radius], 0.5 * size)
-                    within = larger(smaller(to, size - low), low)
-                    rate = ti.select((to < within) & (rate < 0.0) | (to > within) & (rate > 0.0), 0.0, rate)
-                    to = within
-                agents[a + rows.place[k]] = ti.select(here, to, agents[a + rows.place[k]])
-                agents[a + rows.motion[k]] = rate
+                agents[a + rows.place[k]] = ti.select(here, to[k], agents[a + rows.place[k]])
+                agents[a + rows.motion[k]] = rate[k]
 
-        return SimpleNamespace(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
+        return KindSteps(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
 
-    prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
-
-    @ti.func
-    def bounce(prey: ti.template(), numbers: ti.template(), b, count):
-        """Let prey that touch and approach each other exchange their velocities along the line of centres.
-
-        Pairs follow each other in a fixed order; each conserves momentum and kinetic energy, as equal masses do.
-        """
-        reach = 2.0 * numbers[b * width + at.prey.radius]
-        for i in range(count):
-            a = (b * count + i) * prey_rows
-            for j in range(i + 1, count):
-                c = (b * count + j) * prey_rows
-                me = prey_mate(prey, a, i)
-                mate = prey_mate(prey, c, j)
-                away = see.gap(me, mate, numbers, b)
-                touch = (dot(away, away) < reach * reach) & (me.alive * mate.alive > 0.5)
-                if anywhere(touch):
-                    line = unit(away)
-                    apart = [mine - other for mine, other in ti.static(zip(rates(me), rates(mate), strict=True))]
-                    closing = dot(apart, line)
-                    given = ti.select(touch & (closing < 0.0), closing, 0.0)
-                    for k in ti.static(range(dim)):
-                        prey[a + rows.motion[k]] = motion(me)[k] - given * line[k]
-                        prey[c + rows.motion[k]] = motion(mate)[k] + given * line[k]
-
-    return SimpleNamespace(wall_turn=wall_turn, bounce=bounce, prey=kind_of("prey"), predators=kind_of("predators"))
+    return Steps(wall_turn=wall_turn, prey=kind_of("prey"), predators=kind_of("predators"))

@@ -5,12 +5,14 @@ neighbours through grids. Both take `here`, a namespace with the arrays and the 
 hands on.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, larger, motion, place
+from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import flock, see_mate
 
 
@@ -24,7 +26,25 @@ def flocking(layout: Layout, kind: str) -> bool:
     return all(p.strategy.flocks or p.part.mixed for p in layout.parts(kind, "strategy"))
 
 
-def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class SightTerms:
+    """What one kind of agents makes of its mates."""
+
+    counted: Func  # give 1 for a mate that is there and that all strategies count as one, else 0
+    reaches: Func  # give the squares of how far mates are seen, and how near they are pushed away
+    flocked: Func  # separation, cohesion and alignment: what the mates in sight add to the velocity
+
+
+@dataclass(frozen=True)
+class PerceptionTerms:
+    """What both kinds make of whom they see; every neighbour search has them."""
+
+    prey: SightTerms
+    predators: SightTerms
+    see_hunter: Func  # add one predator to what a prey sees of them
+
+
+def build_terms(layout: Layout, types: Types, see: Views) -> PerceptionTerms:
     """Build what both ways of visiting share: counted, flocked (kind -> func) and seen."""
     at = layout.at
     width = len(layout.paths)
@@ -69,7 +89,7 @@ def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) ->
                     pull[k] = pull[k] * (1.0 - see.weights_of(p, numbers, b).on)
             return pull
 
-        return SimpleNamespace(counted=counted, reaches=reaches, flocked=flocked)
+        return SightTerms(counted=counted, reaches=reaches, flocked=flocked)
 
     @ti.func
     def see_hunter(threat: ti.template(), hunter: ti.template(), away: ti.template(), reach2):
@@ -79,11 +99,30 @@ def build_terms(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) ->
         for k in ti.static(range(len(layout.axes))):
             place(threat)[k] += seen * away[k]
 
-    return SimpleNamespace(prey=terms("prey"), predators=terms("predators"), see_hunter=see_hunter)
+    return PerceptionTerms(prey=terms("prey"), predators=terms("predators"), see_hunter=see_hunter)
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
-    """Build gather, blocked and look (kind -> func), heed, chase and swarm_of.
+@dataclass(frozen=True)
+class NeighbourSearch:
+    """Who visits whom: what steering asks of an engine, whichever way that finds neighbours."""
+
+    gather: dict[str, Func]  # add all mates to what an agent sees of its swarm, itself included
+    flocked: dict[str, Func]
+    heed: Func
+    chase: Func  # let a predator strategy collect what it needs of single prey
+    blocked: Func  # count the obstacles that block the course
+    look: Func  # let an avoidance note what the obstacles tell about the course
+
+
+@dataclass(frozen=True)
+class AllPairs(NeighbourSearch):
+    """The search that visits everybody of a trial."""
+
+    swarm_of: Func  # give the means over the alive prey, zero when there are none
+
+
+def build(layout: Layout, types: Types, see: Views) -> AllPairs:
+    """Build gather and flocked (kind -> func), heed, chase, blocked, look and swarm_of.
 
     here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
     kind.
@@ -180,7 +219,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
             motion(swarm)[k] = share * motion(swarm)[k]
         return swarm
 
-    return SimpleNamespace(
+    return AllPairs(
         gather={kind: gathers(kind) for kind in ("prey", "predators")},
         flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
         heed=heed,

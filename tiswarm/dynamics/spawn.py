@@ -1,12 +1,13 @@
 """Spawn: draw a trial's start state from its scenario, seed and number."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import STAYS, TRIAL, Layout
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import capped, dot, larger
+from tiswarm.simd.runtime import Func, Types
 
 FAR = 1e9
 """Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
@@ -16,7 +17,26 @@ TRIES = 32
 finds no clear place in so many is left out."""
 
 
-def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class AgentStarts:
+    """How the agents of one kind start."""
+
+    drawn: Func
+    spawn: Func
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Start states drawn in lanes."""
+
+    spawn: Func
+    uniform: Func
+    prey: Func
+    predators: Func
+    obstacles: Func
+
+
+def build(layout: Layout, types: Types) -> Starts:
     """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
     lanes, integers = types.lanes, types.integer_lanes
     uniform = philox.build(types).uniform
@@ -102,7 +122,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
                 for row in range(rows.count, own_rows):  # the strategies' memory
                     store(agents, a + row, fresh, lanes(0.0))
 
-        return SimpleNamespace(drawn=drawn, spawn=spawn)
+        return AgentStarts(drawn=drawn, spawn=spawn)
 
     region, radius = at.obstacles.region, at.obstacles.radius
     prey_starts = draws_agents("prey", philox.PREY, frame.shapes[0] == "ball", frame.capped[0])
@@ -182,6 +202,6 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
             predator_starts.spawn(predators, counts[1], numbers, b, trial, fresh, key_low, key_high)
         spawn_obstacles(obstacles, counts[2], numbers, b, trial, fresh, key_low, key_high)
 
-    return SimpleNamespace(
+    return Starts(
         spawn=spawn, uniform=uniform, prey=prey_starts.drawn, predators=predator_starts.drawn, obstacles=drawn_obstacle
     )

@@ -1,22 +1,39 @@
 """Steering: from what an agent senses to its next state, an agent or a trial a lane; who visits whom is the senses'."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics import integrator, perception
+from tiswarm.dynamics.integrator import Steps
+from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import minus, motion
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, uniform) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Steering:
+    """From senses to a step, for both kinds."""
+
+    prey: Func
+    predators: Func
+    begin: Func  # give strategies' memory its first values
+    remember: Func  # let strategies update an agent's memory from what was seen in this move
+    steps: Steps
+    starts: bool
+    remembers: bool
+
+
+def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uniform) -> Steering:
     """Build prey, predators (one agent's move), begin, remember and steps, for the senses of either engine."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
-    steps = integrator.build(layout, see)
+    steps = integrator.build(layout)
     strategies = layout.parts("prey", "strategy")
     kicking = [p for p in strategies if p.strategy.dice]
     remembering = [p for p in strategies if "remember" in p.own]
@@ -200,7 +217,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: 
             deflected(course, here, "predators", me, numbers, b, target, dice_of(draw, philox.PREDATOR_DEFLECTION))
         steps.predators.advance(predators, a, course, me, numbers, b)
 
-    return SimpleNamespace(
+    return Steering(
         prey=drive_prey,
         predators=drive_predator,
         begin=begin,

@@ -11,6 +11,7 @@ import taichi as ti
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -22,7 +23,6 @@ STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
 # Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
 TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
 
-ROLES = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
 _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
 
 
@@ -33,16 +33,16 @@ class Part:
     mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell.
     """
 
-    kind: str
-    role: str
+    kind: registry.Side
+    role: registry.Role
+    catalogue: registry.Kind
     name: str
     mixed: bool
 
     @property
     def strategy(self) -> Any:
         """Give the class with its hooks."""
-        where: Any = self.kind if self.role == "strategy" else "avoidance"
-        return registry.load(where, self.name)
+        return registry.load(self.catalogue, self.name)
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Frame:
         return cls(
             dim=world.dim,
             boundary=world.boundary,
-            wrap_sight=world.boundary == "periodic" and world.wrap_sight,
+            wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
             contact=world.contact,
             verlet=world.scheme == "verlet",
             targeted=scenario.target.present,
@@ -116,16 +116,14 @@ class Structure:
             raise ScenarioError(f"batch: scenarios differ in {name} ({told}); run them one after the other")
         hunted = predator_count > 0
         parts = []
-        for kind, role in ROLES if hunted else ROLES[:2]:
-            chosen = [_chosen_parts(scenario, kind, role) for scenario in scenarios]
+        for same in zip(*(registry.roles(scenario) for scenario in scenarios), strict=True):
+            kind, role, catalogue, _ = same[0]
+            if kind == "predators" and not hunted:
+                continue
+            chosen = [registry.parts(catalogue, name) for *_, name in same]
             for name in sorted(set().union(*chosen)):
-                parts.append(Part(kind, role, name, mixed=not all(name in each for each in chosen)))
+                parts.append(Part(kind, role, catalogue, name, mixed=not all(name in each for each in chosen)))
         return cls(frames.pop(), tuple(parts), hunted)
-
-
-def _chosen_parts(scenario: Scenario, kind: str, role: str) -> tuple[str, ...]:
-    where: Any = kind if role == "strategy" else "avoidance"
-    return registry.parts(where, getattr(getattr(scenario, kind), role))
 
 
 def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
@@ -282,7 +280,8 @@ class Layout:
         for each in self._parts:
             part = each.part
             own = {field.name: numbers(f"{part.kind}.weights.{field.name}") for field in fields(each.strategy.Weights)}
-            on = np.array([float(part.name in _chosen_parts(scenario, part.kind, part.role)) for scenario in scenarios])
+            names = [getattr(getattr(scenario, part.kind), part.role) for scenario in scenarios]
+            on = np.array([float(part.name in registry.parts(part.catalogue, name)) for name in names])
             own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
             columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)

@@ -1,14 +1,38 @@
 """Views: what terms and strategies see of the world, as structs of lanes read from a block's arrays."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
 from tiswarm.simd.lanes import coordinates
+from tiswarm.simd.runtime import Func, Types
+from tiswarm.space import box, box_lanes
 
 
-def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Views:
+    """Structs of lanes that terms see, and the funcs that read them."""
+
+    Me: dict[str, Any]  # with what strategies show of their memory; number: 1, 2, ...; odd: 1 where that is odd, else 0
+    Mate: dict[str, Any]
+    Mates: Any  # see flocking.see_mate
+    Threat: Any  # n: predators in sight; x, y: Σ (p - q) over them
+    Swarm: Any  # alive prey: how many, mean position and velocity; ticks run
+    Obstacle: Any
+    Dice: Any  # a, b: uniform in [0, 1)
+    me_at: dict[str, Func]
+    mate_at: dict[str, Func]
+    limits_of: Func
+    obstacle_at: Func
+    target_of: Func
+    weights_of: Func
+    sight: Func  # the way to me from what I see: across a periodic edge where that is shorter and sight wraps
+    gap: Func  # the way to me from another body, whatever anybody sees
+
+
+def build(layout: Layout, types: Types) -> Views:
     """Build the structs and the funcs that fill them.
 
     The n-th agent of block b begins at row (b * count + n) * rows of its array: one index an agent, its numbers side by
@@ -19,7 +43,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
     width = len(layout.paths)
     dim = layout.structure.frame.dim
     target_columns = [*at.target.place, at.target.radius]
-    periodic = layout.structure.frame.boundary == "periodic"
+    periodic = box.wraps(layout.structure.frame.boundary)
     wrap_sight = layout.structure.frame.wrap_sight
 
     def axes(*names: str) -> list[str]:
@@ -30,26 +54,17 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
 
     state = axes("", "v")
     limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
-    see = SimpleNamespace(
-        # shown: what strategies show of their memory; number: 1, 2, ...; odd: 1 where that is odd, else 0
-        Me={kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
-        Mate={kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows},
-        Mates=struct(["n", *state, *axes("push_")]),  # see flocking.see_mate
-        Threat=struct(["n", *axes("")]),  # n: predators in sight; x, y: Σ (p - q) over them
-        Swarm=struct(["n", *state, "age"]),  # alive prey: how many, mean position and velocity; ticks run
-        Target=struct([*axes(""), "radius"]),
-        Obstacle=struct([*axes(""), "radius"]),
-        Dice=struct(["a", "b"]),  # uniform in [0, 1)
-        Limits=struct(limits),
-    )
+    own = {kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
+    mates = {kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
+    limits_struct, target_struct = struct(limits), struct([*axes(""), "radius"])
 
     @ti.func
     def limits_of(numbers: ti.template(), b, columns: ti.template()):
         n = b * width
-        return see.Limits(*[numbers[n + column] for column in ti.static([getattr(columns, name) for name in limits])])
+        return limits_struct(*[numbers[n + column] for column in ti.static([getattr(columns, name) for name in limits])])
 
     def sees(kind: str):
-        Me, Mate = see.Me[kind], see.Mate[kind]  # noqa: N806 - types
+        Me, Mate = own[kind], mates[kind]  # noqa: N806 - types
         shown = list(layout.shown(kind).values())
         first = [*rows.place, *rows.motion, rows.alive]
         mate_rows = [*first, *shown]
@@ -71,19 +86,17 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
 
         return me_at, mate_at
 
-    see.me_at, see.mate_at = {}, {}
-    for kind in layout.agent_rows:
-        see.me_at[kind], see.mate_at[kind] = sees(kind)
+    seen = {kind: sees(kind) for kind in layout.agent_rows}
 
     @ti.func
     def obstacle_at(obstacles: ti.template(), b, count, j):
         o = (b * count + j) * layout.obstacle_rows
-        return see.Obstacle(*[obstacles[o + row] for row in ti.static(range(dim + 1))])
+        return target_struct(*[obstacles[o + row] for row in ti.static(range(dim + 1))])
 
     @ti.func
     def target_of(numbers: ti.template(), b):
         n = b * width
-        return see.Target(*[numbers[n + column] for column in ti.static(target_columns)])
+        return target_struct(*[numbers[n + column] for column in ti.static(target_columns)])
 
     @ti.func
     def weights_of(p: ti.template(), numbers: ti.template(), b):
@@ -96,8 +109,7 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
         way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
         if ti.static(wrapped):
             for k in ti.static(range(dim)):
-                size = numbers[b * width + at.size[k]]
-                way[k] = way[k] - size * ti.floor(way[k] / size + 0.5)
+                way[k] = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
         return way
 
     @ti.func
@@ -110,6 +122,20 @@ def build(layout: Layout, types: SimpleNamespace) -> SimpleNamespace:
         """Give the way to me from another body, whatever anybody sees."""
         return away(me, other, numbers, b, periodic)
 
-    see.limits_of, see.obstacle_at, see.target_of, see.weights_of = limits_of, obstacle_at, target_of, weights_of
-    see.sight, see.gap = sight, gap
-    return see
+    return Views(
+        Me=own,
+        Mate=mates,
+        Mates=struct(["n", *state, *axes("push_")]),
+        Threat=struct(["n", *axes("")]),
+        Swarm=struct(["n", *state, "age"]),
+        Obstacle=target_struct,
+        Dice=struct(["a", "b"]),
+        me_at={kind: me_at for kind, (me_at, _) in seen.items()},
+        mate_at={kind: mate_at for kind, (_, mate_at) in seen.items()},
+        limits_of=limits_of,
+        obstacle_at=obstacle_at,
+        target_of=target_of,
+        weights_of=weights_of,
+        sight=sight,
+        gap=gap,
+    )

@@ -4,6 +4,7 @@ from math import prod
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 CROSSOVER = 400
@@ -14,6 +15,11 @@ ALWAYS = 1600
 
 MOST_PAIRED = 10_000
 """Comparing all pairs of more agents than this takes longer than anybody waits."""
+
+
+def engine_of(scenario: Scenario) -> str:
+    """Name the engine that runs a scenario: "grid" or "all-pairs". Errors: as of by_grid."""
+    return "grid" if by_grid(scenario) else "all-pairs"
 
 
 def by_grid(scenario: Scenario) -> bool:
@@ -64,7 +70,7 @@ def _refused(scenario: Scenario) -> str:
     hunters = registry.parts("predators", predators.strategy) if predators.count else ()
     refused = {
         "world.contact": world.contact == "bounce",
-        "world.wrap_sight": world.boundary == "periodic" and not world.wrap_sight,
+        "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
         "measures.names": bool(scenario.measures.names),
         "coverage.cell": scenario.coverage.cell > 0,
         "predators.strategy": any("survey" in vars(registry.load("predators", name)) for name in hunters),

@@ -3,7 +3,7 @@
 import time
 from dataclasses import dataclass
 
-from tiswarm.engine.trials.batch import simulate
+from tiswarm.engine.run import simulate
 from tiswarm.scenario.presets import load
 
 

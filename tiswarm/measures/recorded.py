@@ -11,7 +11,8 @@ from scipy.spatial import KDTree
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.measures import MEASURED
-from tiswarm.strategies.registry import nearest as nearest_name
+from tiswarm.space import box
+from tiswarm.system.words import did_you_mean
 
 TINY = 1e-12
 """Squared lengths are not taken for smaller than this in quotients, so that coincident agents give no infinity [m²]."""
@@ -200,7 +201,7 @@ def measured(recording: Recording, name: str) -> float:
     Errors: ValueError for an unknown name, and for a measure of swept ground where the scenario has no grid.
     """
     if name not in MEASURED:
-        raise ValueError(f"measure: unknown '{name}'; {nearest_name(name, list(MEASURED))}")
+        raise ValueError(f"measure: unknown '{name}'; {did_you_mean(name, list(MEASURED))}")
     after = min(recording.scenario.measures.after, recording.scenario.world.ticks)
     if name.startswith("time-to-"):
         return time_to(recording, int(name.removeprefix("time-to-")) / 100)
@@ -238,11 +239,8 @@ def _states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndar
 
 def _tree(places: np.ndarray, recording: Recording) -> KDTree:
     """Sort places so that who is near whom is found fast, across the edges of a periodic world."""
-    if recording.scenario.world.boundary != "periodic":
-        return KDTree(places)
-    size = np.array(recording.scenario.world.size)
-    inside = places - size * np.floor(places / size)
-    return KDTree(np.where(inside >= size, 0.0, inside), boxsize=size)  # rounding may lift a tiny negative number to the size
+    period = recording.period
+    return KDTree(box.wrap(places, period), boxsize=period if period.any() else None)
 
 
 def _free(recording: Recording) -> np.ndarray:

@@ -1,20 +1,32 @@
 """Running: polarisation, neighbours, energies, swept ground and the like, while a trial runs; recorded.py defines them all."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics.table import AGE, DONE, MEASURED, ON, Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.measures import traps
 from tiswarm.scenario.measures import COVERED, TRAPS
 from tiswarm.simd.lanes import anywhere, dot, larger, logarithm, motion, place, safe, smaller, unit
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func, Types
 
 # Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
 CLEAN, FREE, GROUND_ROWS = range(3)
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Measures:
+    """Funcs that measure a block's trials."""
+
+    measure: Func  # measure each state once: a trial may pause between two ticks
+    spread_ground: Func
+    height: int
+    cells: int
+    count: int
+
+
+def build(layout: Layout, types: Types, see: Views) -> Measures:
     """Build `measure`, `spread_ground` and `value_of`.
 
     sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 where there is no ground.
@@ -272,4 +284,4 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace) -> Simpl
                         vary(sums, ground, clock, b)
                 clock[b, MEASURED] = ti.select(unseen, clock[b, AGE] + 1.0, clock[b, MEASURED])
 
-    return SimpleNamespace(measure=measure, spread_ground=spread_ground, height=height, cells=cells, count=len(names))
+    return Measures(measure=measure, spread_ground=spread_ground, height=height, cells=cells, count=len(names))

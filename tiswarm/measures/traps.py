@@ -1,14 +1,14 @@
 """Traps: prey that keep moving and get nowhere, found while a trial runs; deadlocks.py says what counts, and why."""
 
-from types import SimpleNamespace
-
 import taichi as ti
 
 from tiswarm.dynamics.table import AGE, Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, place
+from tiswarm.simd.runtime import Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
+def build(layout: Layout, types: Types, see: Views):
     """Build `watch`.
 
     Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; total, the sum of its ways

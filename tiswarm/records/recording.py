@@ -3,15 +3,19 @@
 import os
 import zipfile
 import zlib
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.system.files import replacing
 
 FATES = ("alive", "arrived", "captured", "crashed")
+
+_ARRAYS = ("position", "velocity", "fate", "state", "group")
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class Swarm:
     fate: [agent], one of FATES; a predator that took prey is "captured" too, since both die of it.
     state: [tick, agent], "calm", "alarmed" (sees an opponent) or a state of the strategy ("exploding", "jumped", ...).
     group: [tick, agent], int, the sub-swarm of agents that split up, or -1.
+    terms: name -> [tick, agent, dim], m/s, what each term of the move out of a tick's state added to the velocity; NaN where no
+        move followed. Empty unless terms were recorded.
     """
 
     position: np.ndarray
@@ -29,6 +35,15 @@ class Swarm:
     fate: np.ndarray
     state: np.ndarray
     group: np.ndarray
+    terms: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, moments: "Sequence[Swarm]") -> "Swarm":
+        """Put moments, arrays [agent, ...] of one tick each, one behind the other."""
+        position, velocity, state, group = (
+            np.stack([getattr(each, name) for each in moments]) for name in ("position", "velocity", "state", "group")
+        )
+        return cls(position, velocity, moments[-1].fate, state, group)
 
     @property
     def count(self) -> int:
@@ -66,12 +81,14 @@ class Recording:
         """Count the dimensions of the world."""
         return self.prey.position.shape[2]
 
+    @property
+    def period(self) -> np.ndarray:
+        """Give after which length the world repeats itself along each axis: [dim], m; 0 where it does not."""
+        return box.period(self.scenario.world.size, self.scenario.world.boundary)
+
     def shortest(self, way: np.ndarray) -> np.ndarray:
         """Take the shortest image of ways [..., dim] where the world is periodic."""
-        if self.scenario.world.boundary != "periodic":
-            return way
-        size = np.array(self.scenario.world.size)
-        return way - size * np.floor(way / size + 0.5)
+        return box.displacement(way, self.period)
 
     def save(self, path: str | os.PathLike) -> Path:
         """Write the recording as a compressed .npz; the file appears whole or not at all."""
@@ -83,8 +100,9 @@ class Recording:
             "obstacle_radius": self.obstacle_radius,
         }
         for kind in ("prey", "predators"):
-            for field in fields(Swarm):
-                arrays[f"{kind}_{field.name}"] = getattr(getattr(self, kind), field.name)
+            swarm = getattr(self, kind)
+            arrays |= {f"{kind}_{name}": getattr(swarm, name) for name in _ARRAYS}
+            arrays |= {f"{kind}_term_{name}": values for name, values in swarm.terms.items()}
         with replacing(Path(path)) as part, part.open("wb") as file:
             np.savez_compressed(file, allow_pickle=False, **arrays)
         return Path(path)
@@ -100,9 +118,7 @@ class Recording:
             if not isinstance(stored, np.lib.npyio.NpzFile):
                 raise ValueError("not an .npz file")
             with stored:
-                prey, predators = (
-                    Swarm(*(stored[f"{kind}_{f.name}"] for f in fields(Swarm))) for kind in ("prey", "predators")
-                )
+                prey, predators = (_swarm(stored, kind) for kind in ("prey", "predators"))
                 scenario = Scenario.from_json(str(stored["scenario"]))
                 numbers = (int(stored["seed"]), int(stored["trial"]))
                 obstacles = (stored["obstacle_position"], stored["obstacle_radius"])
@@ -128,6 +144,9 @@ class Recording:
                 raise ValueError(f"recording: {name} fate must hold one of {', '.join(FATES)} for each agent")
             if swarm.state.shape != (rows, swarm.count) or swarm.group.shape != (rows, swarm.count):
                 raise ValueError(f"recording: {name} state and group are not both of shape {(rows, swarm.count)}")
+            for term, values in swarm.terms.items():
+                if values.shape != shape:
+                    raise ValueError(f"recording: {name} term {term} is not of shape {shape}")
             if not np.isfinite(swarm.velocity[swarm.alive]).all():
                 raise ValueError(f"recording: {name} velocity is not finite where they are alive")
             if (swarm.alive[1:] & ~swarm.alive[:-1]).any():
@@ -135,3 +154,10 @@ class Recording:
         count = len(self.obstacle_radius) if self.obstacle_radius.ndim == 1 else -1
         if self.obstacle_position.shape != (count, self.dim) or not np.isfinite(self.obstacle_position).all():
             raise ValueError("recording: obstacle position and radius do not fit each other")
+
+
+def _swarm(stored: Mapping[str, np.ndarray], kind: str) -> Swarm:
+    """Read the path of one kind of agents."""
+    start = f"{kind}_term_"
+    terms = {name.removeprefix(start): stored[name] for name in stored if name.startswith(start)}
+    return Swarm(**{name: stored[f"{kind}_{name}"] for name in _ARRAYS}, terms=terms)

@@ -5,7 +5,6 @@ import io
 import json
 import math
 import os
-import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -13,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.records.manifest import manifest
 from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
-from tiswarm.system.files import replacing
-from tiswarm.version import __version__
+from tiswarm.system.files import write_text
 
 Z95 = 1.959963984540054
 """Half the width of a 95 % interval in standard errors."""
@@ -52,7 +51,8 @@ class Results:
 
     arrived, captured, crashed, alive: prey counts; ticks: how long the trial ran; first_arrival, last_arrival: ticks, 0 when
     nobody arrived; spawned: prey at the start; dt: [s]. measures: what the scenario's `measures` name, NaN where a trial had no
-    state to measure or never came so far; weights: numbers of single trials, by path.
+    state to measure or never came so far; weights: numbers of single trials, by path; engine: "all-pairs" or
+    "grid", which ran them (engine/choice.py).
     """
 
     scenario: Scenario
@@ -69,6 +69,7 @@ class Results:
     dt: np.ndarray
     measures: Mapping[str, np.ndarray] = field(default_factory=dict)
     weights: Mapping[str, np.ndarray] = field(default_factory=dict)
+    engine: str = "all-pairs"
 
     @classmethod
     def of(
@@ -79,13 +80,14 @@ class Results:
         outcomes: Mapping[str, np.ndarray],
         measures: Mapping[str, np.ndarray],
         weights: Mapping[str, np.ndarray] | None,
+        engine: str = "all-pairs",
     ) -> "Results":
         """Put what the kernel wrote down beside what each trial started with."""
         own = dict(weights or {})
         shape = outcomes["ticks"].shape
         spawned = np.broadcast_to(np.asarray(own.get("prey.count", scenario.prey.count)), shape).astype(np.int32)
         dt = np.broadcast_to(np.asarray(own.get("world.dt", scenario.world.dt), np.float64), shape)
-        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, measures=measures, weights=own)
+        return cls(scenario, seed, settings, **outcomes, spawned=spawned, dt=dt, measures=measures, weights=own, engine=engine)
 
     @property
     def trials(self) -> int:
@@ -142,6 +144,7 @@ class Results:
         write_text(folder / "trials.csv", self.to_csv())
         write_text(folder / "summary.json", self.summary_json() + "\n")
         told = {"scenario": json.loads(self.scenario.to_json()), "scenario_hash": self.scenario.hash(), "trials": self.trials}
+        told["engine"] = self.engine
         told["weights_of_single_trials"] = sorted(self.weights)  # their numbers stand in trials.csv
         write_text(folder / "manifest.json", manifest(self.settings, seed=self.seed, **told, **more))
         return folder
@@ -161,40 +164,6 @@ def compare(a: Results, b: Results) -> dict[str, Estimate]:
         )
     both = [name for name in a.measures if name in b.measures]
     return {name: Estimate.of(b.measure(name) - a.measure(name)) for name in (*COUNTED, *both)}
-
-
-def manifest(settings: Settings, **told: Any) -> str:
-    """Write down what made a result, so that it can be made again."""
-    import taichi as ti
-
-    machine = {
-        "processor": processor(),
-        "threads": settings.threads,
-        "system": platform.platform(),
-        "python": platform.python_version(),
-    }
-    about = {
-        "tiswarm": __version__,
-        "taichi": ".".join(map(str, ti.__version__)),
-        "precision": settings.precision,
-        "machine": machine,
-    }
-    return json.dumps({**about, **told}, indent=2) + "\n"
-
-
-def processor() -> str:
-    """Name the processor as its maker does, or as Python knows it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
 
 
 def _json_number(value: float) -> float | None:

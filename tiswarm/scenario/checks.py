@@ -2,12 +2,16 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import SWEPT
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 if TYPE_CHECKING:  # the model asks for these checks
-    from tiswarm.scenario.model import Agents, Box, Scenario
+    from tiswarm.scenario.model import Agents, Scenario
+    from tiswarm.scenario.parts import Box
 
 
 def check(scenario: "Scenario") -> None:
@@ -16,21 +20,20 @@ def check(scenario: "Scenario") -> None:
     for path, numbers in _vectors(scenario):
         if len(numbers) != dim:
             raise ScenarioError(f"{path}: {list(numbers)} has {len(numbers)} numbers, world.size has {dim}; write {dim}")
-    kind: registry.Kind
+    for side, role, catalogue, name in registry.roles(scenario):
+        able = registry.dimensions(catalogue, name)
+        if dim not in able and (side == "prey" or scenario.predators.count):
+            raise ScenarioError(f"{side}.{role}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
+    kind: registry.Side
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
-        where: registry.Kind
-        for key, where in (("strategy", kind), ("avoidance", "avoidance")):
-            name = getattr(agents, key)
-            able = registry.dimensions(where, name)
-            if dim not in able and (kind == "prey" or agents.count):
-                raise ScenarioError(f"{kind}.{key}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
+        _check_needed(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
-        if scenario.world.boundary != "open" and agents.count:
+        if box.bounded(scenario.world.boundary) and agents.count:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
     _check_measures(scenario)
 
@@ -54,6 +57,15 @@ def _check_whole(kind: registry.Kind, agents: "Agents") -> None:
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
 
 
+def _check_needed(kind: registry.Kind, agents: "Agents") -> None:
+    """Refuse weights that contradict a word which was chosen."""
+    for part in registry.parts(kind, agents.strategy):
+        for key, (other, word) in getattr(registry.load(kind, part), "needed", {}).items():
+            if agents.weights[key] and agents.weights[other] != word:
+                told = f"needs {kind}.weights.{other} = '{word}', not '{agents.weights[other]}'; set it, or {key} to 0"
+                raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
 def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:
     """List what needs as many numbers as the world has dimensions, where it matters."""
     found = [("prey.spawn.region", scenario.prey.spawn.region), ("prey.spawn.velocity", scenario.prey.spawn.velocity)]
@@ -67,7 +79,7 @@ def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:
 
 
 def _inside(path: str, region: "Box", size: tuple[float, ...]) -> None:
-    if min(region.low) < 0 or any(high > length for high, length in zip(region.high, size, strict=True)):
+    if not box.inside(np.array([region.low, region.high]), size).all():
         raise ScenarioError(f"{path}: reaches out of a world with edges; keep it within 0 and world.size, {list(size)}")
 
 

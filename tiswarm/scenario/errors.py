@@ -4,7 +4,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from tiswarm.strategies.registry import nearest
+from tiswarm.system.words import did_you_mean
 
 
 class ScenarioError(ValueError):
@@ -22,7 +22,7 @@ def explained(error: ValidationError, model: type[BaseModel]) -> str:
         names = names[: names.index("weights") + 2]
     path = ".".join(names) or "scenario"
     if first["type"] == "extra_forbidden":
-        return f"{path}: unknown key; {nearest(names[-1], _keys(model, names[:-1]))}"
+        return f"{path}: unknown key; {did_you_mean(names[-1], _keys(model, names[:-1]))}"
     if first["type"] == "missing":
         return f"{path}: missing; it has no default"
     value = _short(first["input"])

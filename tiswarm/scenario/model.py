@@ -1,28 +1,35 @@
 """Model: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
-from collections.abc import Mapping, Sequence
-from copy import deepcopy
+from collections.abc import Mapping
 from hashlib import sha256
-from typing import Annotated, Any, Literal, NoReturn, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from tiswarm.scenario import checks
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import Measure
+from tiswarm.scenario.overrides import overridden
+from tiswarm.scenario.parts import (
+    MOST_AGENTS,
+    Box,
+    Count,
+    NotNegative,
+    Number,
+    Part,
+    Point,
+    Positive,
+    Real,
+    Weights,
+    is_number,
+    leaves,
+    plain,
+)
+from tiswarm.space import box
+from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
-
-MOST_AGENTS = 4_000_000
-
-LIMIT = 1e6
-"""Largest magnitude of any length, speed or weight: products of a few of them still fit into single precision."""
-
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LIMIT, le=LIMIT)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LIMIT)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=LIMIT)]
-Count = Annotated[int, Field(strict=True, ge=0, le=MOST_AGENTS)]
-Point = Annotated[tuple[Real, ...], Field(min_length=2, max_length=3)]
+from tiswarm.system.words import did_you_mean
 
 
 def _one_of(kind: registry.Kind) -> Any:
@@ -33,61 +40,6 @@ def _one_of(kind: registry.Kind) -> Any:
 PreyStrategy = Annotated[str, _one_of("prey")]
 PredatorsStrategy = Annotated[str, _one_of("predators")]
 Avoidance = Annotated[str, _one_of("avoidance")]
-Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
-
-
-class Weights(dict[str, float | str]):
-    """A dictionary that never changes, so that a scenario is what it was when it was checked."""
-
-    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("weights are frozen; use scenario.replaced({'prey.weights.NAME': number})")
-
-    __setitem__ = __delitem__ = update = setdefault = pop = popitem = clear = __ior__ = _refuse
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(tuple(sorted(self.items())))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Weights, (dict(self),)
-
-
-class Part(BaseModel):
-    """A frozen part of a scenario that knows no keys but its own."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-def _ordered(low: Sequence[float], high: Sequence[float], what: str) -> None:
-    if any(a > b for a, b in zip(low, high, strict=False)):
-        raise ValueError(f"{what} must run from a lower to an upper corner, [[x0, y0], [x1, y1]] with x0 <= x1 and y0 <= y1")
-    if len(low) != len(high):
-        raise ValueError(f"{what} has corners of {len(low)} and {len(high)} numbers")
-
-
-class Box(Part):
-    """An axis-parallel rectangle or cuboid, written as its two corners [[x0, y0], [x1, y1]]."""
-
-    low: Point
-    high: Point
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
-        corner = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
-        return {"title": "Box", "description": cls.__doc__, "type": "array", "items": corner, "minItems": 2, "maxItems": 2}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _from_corners(cls, value: Any) -> Any:
-        if isinstance(value, Sequence) and not isinstance(value, str):
-            if len(value) != 2:
-                raise ValueError("a region is two corners, [[x0, y0], [x1, y1]]")
-            return {"low": value[0], "high": value[1]}
-        return value
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        _ordered(self.low, self.high, "a region")
-        return self
 
 
 class Area(Part):
@@ -104,7 +56,7 @@ class World(Part):
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
     dt: Positive = 1.0  # s
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
-    boundary: Literal["open", "periodic", "walls"] = "open"
+    boundary: Boundary = "open"
     wrap_sight: bool = True  # whether agents see across a periodic edge
     margin: NotNegative = 0.0  # nearer to a wall than this, agents turn away from it [m]
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
@@ -121,7 +73,7 @@ class World(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.boundary != "walls" and (self.margin or self.turn_factor):
+        if not box.walled(self.boundary) and (self.margin or self.turn_factor):
             raise ValueError("a world has margin and turn_factor only with boundary = 'walls'; drop them or set it")
         return self
 
@@ -183,11 +135,11 @@ class Agents(Part):
     )  # of the strategy and of the avoidance
 
 
-def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]:
+def _with_weights(agents: dict[str, Any], kind: registry.Side) -> dict[str, Any]:
     """Check both strategy names and fill in the weights that a scenario leaves at their defaults."""
     known: dict[str, float | str] = {}
     words: dict[str, tuple[Any, ...]] = {}
-    for key, where in (("strategy", kind), ("avoidance", "avoidance")):
+    for key, where in registry.catalogues(kind):
         name = agents.get(key)
         if not isinstance(name, str):
             continue  # pydantic says what is wrong
@@ -202,7 +154,7 @@ def _with_weights(agents: dict[str, Any], kind: registry.Kind) -> dict[str, Any]
     for key in given:
         if key not in known:
             chosen = f"strategy '{agents.get('strategy')}' with avoidance '{agents.get('avoidance')}'"
-            hint = registry.nearest(str(key), sorted(known)) if known else "they have none"
+            hint = did_you_mean(str(key), sorted(known)) if known else "they have none"
             raise ScenarioError(f"{kind}.weights.{key}: no weight of {chosen}; {hint}")
         if key in words and given[key] not in words[key]:
             hint = " or ".join(repr(word) for word in words[key])
@@ -302,7 +254,7 @@ class Scenario(Part):
 
     def to_json(self) -> str:
         """Write the scenario as JSON, keys in a fixed order."""
-        return json.dumps(_plain(self), sort_keys=True)
+        return json.dumps(plain(self), sort_keys=True)
 
     @classmethod
     def from_json(cls, text: str) -> "Scenario":
@@ -313,49 +265,25 @@ class Scenario(Part):
         """Write the scenario as a preset, defaults filled in."""
         import tomlkit
 
-        return tomlkit.dumps(_plain(self))
+        return tomlkit.dumps(plain(self))
 
     def hash(self) -> str:
         """Name the scenario by what it computes: its preset, title, source and showcase do not count."""
-        plain = {key: value for key, value in _plain(self).items() if key not in ("preset", "title", "source", "showcase")}
-        return sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]
+        told = {key: value for key, value in plain(self).items() if key not in ("preset", "title", "source", "showcase")}
+        return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
 
     def numbers(self) -> dict[str, float]:
         """Map the path of each number to it: "prey.weights.evade", "target.position.0", ...; a choice is its place."""
-        found = {path: float(value) for path, value in _leaves(_plain(self)) if _is_number(path, value)}
-        kind: registry.Kind
-        for kind, agents in (("prey", self.prey), ("predators", self.predators)):
-            words = registry.choices(kind, agents.strategy) | registry.choices("avoidance", agents.avoidance)
-            found |= {f"{kind}.weights.{key}": float(known.index(agents.weights[key])) for key, known in words.items()}
+        found = {path: float(value) for path, value in leaves(plain(self)) if is_number(path, value)}
+        for side, _, catalogue, name in registry.roles(self):
+            weights = getattr(self, side).weights
+            words = registry.choices(catalogue, name)
+            found |= {f"{side}.weights.{key}": float(known.index(weights[key])) for key, known in words.items()}
         return found
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
         """Give the scenario with some keys changed. Errors: ScenarioError."""
-        return validated(overridden(_plain(self), overrides))
-
-
-def _plain(value: Any) -> Any:
-    """Turn parts into the lists and tables that a preset writes."""
-    if isinstance(value, Box):
-        return [list(value.low), list(value.high)]
-    if isinstance(value, Part):
-        return {key: _plain(getattr(value, key)) for key in type(value).model_fields}
-    if isinstance(value, Weights):
-        return dict(value)
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    return value
-
-
-def _is_number(path: str, value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and not path.startswith(("showcase.", "world.areas."))
-
-
-def _leaves(value: Any, path: str = "") -> list[tuple[str, Any]]:
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else None
-    if items is None:
-        return [(path, value)]
-    return [leaf for key, each in items for leaf in _leaves(each, f"{path}.{key}" if path else str(key))]
+        return validated(overridden(plain(self), overrides))
 
 
 def validated(table: dict[str, Any]) -> Scenario:
@@ -364,45 +292,3 @@ def validated(table: dict[str, Any]) -> Scenario:
         return Scenario.model_validate(table)
     except ValidationError as error:
         raise ScenarioError(explained(error, Scenario)) from None
-
-
-def overridden(table: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """Change keys of a table; with another strategy or avoidance, weights that it does not know go.
-
-    Errors: ScenarioError.
-    """
-    out = deepcopy(table)
-    for path, value in overrides.items():
-        *above, last = path.split(".")
-        place: Any = out
-        for key in above:
-            place = place[_index(place, key, path)] if isinstance(place, list) else place.setdefault(key, {})
-            if not isinstance(place, dict | list):
-                raise ScenarioError(f"{path}: '{key}' holds a value, not a table")
-        plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy's numbers and arrays
-        place[_index(place, last, path) if isinstance(place, list) else last] = plain
-    for kind in ("prey", "predators"):
-        if f"{kind}.strategy" in overrides or f"{kind}.avoidance" in overrides:
-            _drop_stale_weights(out, kind, overrides)
-    return out
-
-
-def _drop_stale_weights(table: dict[str, Any], kind: registry.Kind, overrides: Mapping[str, Any]) -> None:
-    agents = table.get(kind)
-    if not isinstance(agents, dict):
-        return  # the check of the whole scenario says what is wrong
-    weights = agents.get("weights")
-    chosen = [agents.get("strategy", ""), agents.get("avoidance", "")]
-    known = [name for name, where in zip(chosen, (kind, "avoidance"), strict=True) if name in registry.names(where)]
-    if isinstance(weights, dict) and len(known) == 2 and f"{kind}.weights" not in overrides:
-        kept = registry.defaults(kind, chosen[0]) | registry.defaults("avoidance", chosen[1])
-        agents["weights"] = {
-            key: value for key, value in weights.items() if key in kept or f"{kind}.weights.{key}" in overrides
-        }
-
-
-def _index(items: list[Any], key: str, path: str) -> int:
-    if not (key.isascii() and key.isdecimal()) or int(key) >= len(items):
-        places = f"use 0 to {len(items) - 1}" if items else "it is empty"
-        raise ScenarioError(f"{path}: '{key}' is no place in a list of {len(items)}; {places}")
-    return int(key)

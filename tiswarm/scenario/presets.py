@@ -9,7 +9,7 @@ from typing import Any
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario, validated
-from tiswarm.strategies import registry
+from tiswarm.system.words import did_you_mean
 
 
 def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) -> Scenario:
@@ -86,6 +86,6 @@ def find(preset: str) -> Path:
     known = presets()
     file = known.get(preset) or known.get(f"demo/{preset}")
     if file is None:
-        hint = registry.nearest(preset, list(known))
+        hint = did_you_mean(preset, list(known))
         raise ScenarioError(f"preset: unknown '{preset}'; {hint} (list them with 'tiswarm presets')")
     return file

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tiswarm.scenario.model import LIMIT
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.parts import LIMIT
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,13 @@ class Start:
             raise ValueError("start: obstacle_radius holds a negative number; use 0 or more")
         if self.obstacle_radius.shape != (len(self.obstacle_position),):
             raise ValueError(f"start: obstacle_radius has shape {self.obstacle_radius.shape}; use one radius an obstacle")
+
+    def applied(self, scenario: Scenario) -> Scenario:
+        """Give the scenario with the counts of this start. Errors: ValueError for other dimensions; ScenarioError."""
+        if self.dim != scenario.world.dim:
+            raise ValueError(f"start: positions have {self.dim} numbers, world.size has {scenario.world.dim}; use as many")
+        counts = (len(self.prey_position), len(self.predator_position), len(self.obstacle_radius))
+        return scenario.replaced(dict(zip(("prey.count", "predators.count", "obstacles.count"), counts, strict=True)))
 
     @property
     def dim(self) -> int:

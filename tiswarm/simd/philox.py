@@ -1,13 +1,13 @@
 """Random numbers by counter: Philox 4x32-10, so that any number of any trial can be drawn at any time in any order."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func, Types
 
 # Streams are keyed by purpose: two strategies under the same seed meet the same obstacles and starts.
-PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS = 1, 2, 3, 4, 5, 6, 7
+PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS, CENTRES = 1, 2, 3, 4, 5, 6, 7, 8
 
 _ROUNDS = 10
 
@@ -44,7 +44,14 @@ def seed_words(seed: int) -> tuple[int, int]:
     return seed & 0xFFFFFFFF, seed >> 32
 
 
-def build(types: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Draws:
+    """Random numbers in lanes."""
+
+    uniform: Func  # draw four numbers in [0, 1) a lane. trial, index, tick: integer lanes
+
+
+def build(types: Types) -> Draws:
     """Build `uniform` for the running precision."""
     real, lanes, integers = types.real, types.lanes, types.integer_lanes
 
@@ -61,4 +68,4 @@ def build(types: SimpleNamespace) -> SimpleNamespace:
         a, b, c, d = philox(index, trial, integers(ti.u32(purpose)), tick, key_low, key_high)
         return fraction(a), fraction(b), fraction(c), fraction(d)
 
-    return SimpleNamespace(uniform=uniform)
+    return Draws(uniform=uniform)

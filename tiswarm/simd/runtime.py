@@ -15,7 +15,6 @@ from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
-from types import SimpleNamespace
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +23,9 @@ from tiswarm.simd import kernel_cache
 from tiswarm.simd.threads import available_threads, check_threads
 
 Precision = Literal["f32", "f64"]
+
+Func = Callable[..., Any]
+"""A func or kernel of Taichi, or what builds one: typed by how it is called."""
 
 LANES = 8
 """Trials (or agents) that one thread carries in lock-step; 8 beat 4 and 16 (CONTRIBUTING, "How a kernel becomes fast")."""
@@ -232,18 +234,29 @@ def _refuse_forks() -> None:
         )
 
 
-def types() -> SimpleNamespace:
-    """Give the types that kernels of the running precision are built from.
+@dataclass(frozen=True)
+class Types:
+    """What kernels of the running precision are built from.
 
     real, dtype: a number in Taichi and in NumPy; lanes, integer_lanes: LANES of them in one value;
     lane_array(n): a kernel argument of `lanes` with n indices.
     """
+
+    real: Any
+    dtype: Any
+    lanes: Any
+    integer_lanes: Any
+    lane_array: Callable[[int], Any]
+
+
+def types() -> Types:
+    """Give the types that kernels of the running precision are built from."""
     import taichi as ti
 
     double = start().precision == "f64"
     real: Any = ti.f64 if double else ti.f32
     lanes = ti.types.vector(LANES, real)
-    return SimpleNamespace(
+    return Types(
         real=real,
         dtype=np.float64 if double else np.float32,
         lanes=lanes,

@@ -3,19 +3,32 @@
 Cells are found in double precision: they then never shift against the reach, however far away.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.simd.lanes import larger, smaller
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func, Types
+from tiswarm.space.box_lanes import adjacent
 from tiswarm.space.cells import COUNT_X, MASK, PER_METRE, PERIOD, STRIDE_Y
 
 FAR_CELL = 2.0**29
 """Cells beyond this one are one cell: whole numbers end soon after."""
 
 
-def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...]) -> SimpleNamespace:
+@dataclass(frozen=True)
+class CellIndex:
+    """From positions to cells and their places."""
+
+    cells_of: Func  # give the cell along each of three axes, 0 along one that the world does not have
+    place_of: Func  # give the place of a position in its trial's table
+    places_of: Func
+    image_of: Func  # tell in which image of a periodic world a cell lies: -1, 0 or 1
+    shift: Func  # give how far an image lies off [m]
+    across: Func
+
+
+def build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...]) -> CellIndex:
     """Build the funcs for a kind of grid."""
     real = types.real
     doubles, integers = ti.types.vector(LANES, ti.f64), ti.types.vector(LANES, ti.i32)
@@ -84,12 +97,10 @@ def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool,
     def across(difference, axis: ti.template(), reals: ti.template()):
         """Give the difference of two coordinates to the nearest image along a narrow axis; elsewhere images are walked."""
         if ti.static(narrow[axis]):
-            period = ti.cast(reals[PERIOD + axis], real)
-            difference = ti.select(difference > 0.5 * period, difference - period, difference)
-            difference = ti.select(difference < -0.5 * period, difference + period, difference)
+            difference = adjacent(difference, ti.cast(reals[PERIOD + axis], real))
         return difference
 
-    return SimpleNamespace(
+    return CellIndex(
         cells_of=cells_of,
         place_of=place_of,
         places_of=places_of,

@@ -1,13 +1,14 @@
 """Cell list: agents of one or many trials in cell order, so that neighbours are a few contiguous ranges."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import taichi as ti
 
 from tiswarm.simd import launch, runtime
-from tiswarm.simd.runtime import LANES, TASK
-from tiswarm.space import cell_index, counting_sort, traversal
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.space import box, cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
     CELLS,
     CHUNKS,
@@ -33,6 +34,8 @@ from tiswarm.space.cells import (
     Space,
     plan,
 )
+from tiswarm.space.counting_sort import Sorts
+from tiswarm.space.traversal import Traversal
 
 ALONE = 16_384
 """Up to so many agents are sorted by one thread: waking others takes longer."""
@@ -126,16 +129,21 @@ class Grid:
         agents = self.agents[self.total :].reshape(self.trials, self.slots, -1)
         agents[...] = 0
         agents[:, : self.count, : 2 * dimensions] = np.where(gone[..., None], 0, state)
-        if self.space.boundary == "periodic":
-            wrapped = agents[:, : self.count, :dimensions] % np.asarray(self.space.size, agents.dtype)
-            wrapped[wrapped >= np.asarray(self.space.size, agents.dtype)] = 0
-            agents[:, : self.count, :dimensions] = wrapped
+        period = box.period(self.space.size, self.space.boundary).astype(agents.dtype)
+        agents[:, : self.count, :dimensions] = box.wrap(agents[:, : self.count, :dimensions], period)
         self.whole[HEAD + 2 * self.total : HEAD + 3 * self.total] = np.tile(np.arange(self.slots, dtype=np.int32), self.trials)
         here = np.zeros((self.trials, self.slots), np.int32)
         here[:, : self.count] = ~gone
         self.whole[HEAD : HEAD + self.total] = here.ravel()
         launch.run(self.funcs.find, self.agents, self.whole, self.reals, self.total, precision=self.precision)
         self.sort()
+
+    def show(self, told: np.ndarray) -> None:
+        """Write what agents show beyond position and velocity: [trial, agent, number], by their numbers."""
+        agents = self.agents[: self.total].reshape(self.trials, self.slots, -1)
+        every = np.zeros((self.trials, self.slots, told.shape[-1]))
+        every[:, : self.count] = told
+        agents[..., 2 * self.space.dimensions :] = np.take_along_axis(every, self.numbers[..., None].astype(np.int64), axis=1)
 
     def sort(self) -> None:
         """Bring the moved agents into cell order: their places in the table are known."""
@@ -156,16 +164,34 @@ class Grid:
         return table[self.plan.cells - 1 :: self.plan.cells][: self.trials] - np.arange(self.trials) * self.slots
 
 
-def funcs(space: Space, cut: Plan, extra: int = 0) -> SimpleNamespace:
+@dataclass(frozen=True)
+class CellFuncs(Traversal, Sorts):
+    """The kernels and funcs for a kind of cell list, the types of its arrays, and what else its users ask."""
+
+    width: int  # numbers of an agent's record
+    record: Any
+    agent_array: Any
+    whole_array: Any
+    row_array: Any
+    real_array: Any
+    find: Func  # replace the marks of the moved agents by their places in the table
+    put: Func  # write a block's moved agents behind the sorted ones
+    hashed: bool  # whether the table has no end: an open world
+    periodic: bool
+    count_x: int  # the head's entry with the number of cells along x
+    across: Func  # the way between two coordinates, across a periodic edge where that is shorter
+    cells_of: Func
+    place_of: Func
+
+
+def funcs(space: Space, cut: Plan, extra: int = 0) -> CellFuncs:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
-    kind = (space.dimensions, space.boundary == "periodic", cut.mask >= 0, cut.narrow, width)
+    kind = (space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
     return runtime.kept(("grid", *kind), lambda: _build(runtime.types(), *kind))
 
 
-def _build(
-    types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int
-) -> SimpleNamespace:
+def _build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int) -> CellFuncs:
     record, row = ti.types.vector(width, types.real), ti.types.vector(LANES, ti.i32)
     agent_array = ti.types.ndarray(dtype=record, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -200,7 +226,7 @@ def _build(
             state = [numbers[k] for numbers in ti.static(told)]
             agents[total + first + k] = record(state + [types.real(0.0)] * ti.static(width - len(told)))
 
-    return SimpleNamespace(
+    return CellFuncs(
         width=width,
         record=record,
         agent_array=agent_array,

@@ -8,11 +8,11 @@ other rows may share a place, their distance tells them apart, and no agent is m
 
 from dataclasses import dataclass
 from math import floor, prod
-from typing import Literal
 
 from tiswarm.simd.runtime import LANES
+from tiswarm.space import box
+from tiswarm.space.box import Boundary
 
-Boundary = Literal["open", "periodic", "walls"]
 # What the head of a grid's whole numbers holds, before the sections of slots: sizes, and places as described above.
 SLOTS, TRIALS, CHUNKS, CELLS, MASK, LONGEST, COUNT_X, COUNT_Y, COUNT_Z = range(9)
 STRIDE_Y, STRIDE_Z, REACH_X, REACH_Y, REACH_Z, TABLE, ONE, SUMS = range(9, 17)
@@ -36,6 +36,11 @@ class Space:
     def dimensions(self) -> int:
         """Count the axes."""
         return len(self.size)
+
+    @property
+    def wraps(self) -> bool:
+        """Tell whether who leaves on one side comes back on the other."""
+        return box.wraps(self.boundary)
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,8 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
         return _everybody(space)
     wide = reach * (1 + 1e-5 + 16 * epsilon)
     most = 4 * count + 64
-    if space.boundary == "open" or (space.boundary == "walls" and prod(max(1, side / wide) for side in space.size) > most):
+    sparse = prod(max(1, side / wide) for side in space.size) > most
+    if not box.bounded(space.boundary) or (sparse and not space.wraps):
         return _hashed(space.dimensions, wide, count)
     widths = [wide / 2] + [wide] * (space.dimensions - 1)
     excess = prod(max(1.0, side / width) for side, width in zip(space.size, widths, strict=True)) / most
@@ -75,7 +81,7 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
         excess = prod(max(1.0, side / width) for side, width in zip(space.size, widths, strict=True)) / most
     counts = [max(1, floor(side / width)) for side, width in zip(space.size, widths, strict=True)]
     reaches = [1 if side >= wide * number else 2 for side, number in zip(space.size, counts, strict=True)]
-    narrow = [space.boundary == "periodic" and number < 2 * k + 1 for number, k in zip(counts, reaches, strict=True)]
+    narrow = [space.wraps and number < 2 * k + 1 for number, k in zip(counts, reaches, strict=True)]
     counts = [1 if thin else number for number, thin in zip(counts, narrow, strict=True)]
     reaches = [0 if number == 1 else k for number, k in zip(counts, reaches, strict=True)]
     return Plan(
@@ -85,7 +91,7 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
         reach=tuple(reaches),
         narrow=tuple(narrow),
         mask=-1,
-        longest=counts[0] if space.boundary == "periodic" and not narrow[0] else 2**30,
+        longest=counts[0] if space.wraps and not narrow[0] else 2**30,
         cells=prod(counts) + 1,
     )
 
@@ -93,7 +99,7 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
 def _everybody(space: Space) -> Plan:
     """Plan one cell, so that everybody meets everybody."""
     ones = (1,) * space.dimensions
-    narrow = (space.boundary == "periodic",) * space.dimensions
+    narrow = (space.wraps,) * space.dimensions
     return Plan((0.0,) * space.dimensions, ones, ones[1:], (0,) * space.dimensions, narrow, mask=-1, longest=2**30, cells=2)
 
 

@@ -10,16 +10,25 @@ Tables are cleared, summed up and scanned a vector at a time: after a store Taic
 costs as much as the work on one number. That is why moves load a whole group of agents before they store the first.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
 
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Func
 from tiswarm.space.cells import CHUNKS, HEAD, SLOTS, SUMS, TABLE, TRIALS
 
 
-def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Sorts:
+    """The sort's kernels."""
+
+    arrange: Func
+    sort: Func
+    sort_alone: Func
+
+
+def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts:
     """Build the kernels that sort. They get the whole numbers twice: one by one, and a row (a vector) at a time."""
 
     @ti.func
@@ -149,4 +158,4 @@ def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Simpl
             before += here
         scatter(agents, whole, 0)
 
-    return SimpleNamespace(arrange=arrange, sort=sort, sort_alone=sort_alone)
+    return Sorts(arrange=arrange, sort=sort, sort_alone=sort_alone)

@@ -5,12 +5,13 @@ a branch that no processor foresees, and what it costs is paid once instead of t
 """
 
 from collections.abc import Callable
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
 
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func, Types
+from tiswarm.space.cell_index import CellIndex
 from tiswarm.space.cells import (
     CELLS,
     CHUNKS,
@@ -38,7 +39,24 @@ FAR = 1e15
 """Where lanes wait that do not walk: out of everyone's reach, and its square is still a number [m]."""
 
 
-def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool, at: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Walks:
+    """Walks that meet all within reach."""
+
+    box: Func
+    around: Func
+
+
+@dataclass(frozen=True)
+class Traversal:
+    """What builds walks."""
+
+    walks: Func
+    alive_end: Func  # give the slot behind a trial's last agent that is not gone
+    fits: Func
+
+
+def build(types: Types, dimensions: int, periodic: bool, hashed: bool, at: CellIndex) -> Traversal:
     """Build the walks for a kind of grid; `at` are its funcs of places."""
     lanes, real = types.lanes, types.real
     cells_of, image_of, shift = at.cells_of, at.image_of, at.shift
@@ -64,7 +82,7 @@ def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool,
         """Tell whether lanes from cell `low` to `high` can walk together: no place may come twice."""
         return high - low + 2 * whole[REACH_X] < whole[LONGEST]
 
-    def walks(meet: Callable[..., Any]) -> SimpleNamespace:
+    def walks(meet: Callable[..., Any]) -> Walks:
         """Build walks over all agents within reach; `meet(sums, p, agents, j, reals)` sees agent j from lanes at p."""
 
         @ti.func
@@ -187,6 +205,6 @@ def build(types: SimpleNamespace, dimensions: int, periodic: bool, hashed: bool,
                 walk_box(sums, places, agents, whole, reals, trial, lowest, highest)
                 first = last + 1
 
-        return SimpleNamespace(box=walk_box, around=walk_around)
+        return Walks(box=walk_box, around=walk_around)
 
-    return SimpleNamespace(walks=walks, alive_end=alive_end, fits=fits)
+    return Traversal(walks=walks, alive_end=alive_end, fits=fits)

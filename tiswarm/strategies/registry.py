@@ -1,19 +1,25 @@
 """Find strategies: one file each, in this package, in a user's folder, or from an entry point."""
 
 import ast
-import difflib
 import importlib
 import importlib.metadata
 import importlib.util
 import sys
+from collections.abc import Iterator
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
 
+from tiswarm.strategies.lane_rules import check_lanes
+from tiswarm.system.words import did_you_mean
+
 Kind = Literal["prey", "predators", "avoidance"]
 KINDS: tuple[Kind, ...] = ("prey", "predators", "avoidance")
+
+Side = Literal["prey", "predators"]
+Role = Literal["strategy", "avoidance"]
 
 _folders: list[Path] = []
 
@@ -77,12 +83,6 @@ def _first_line(file: Path | str) -> str:
     return doc.splitlines()[0] if doc else ""
 
 
-def nearest(word: str, known: list[str]) -> str:
-    """Say which known word was probably meant."""
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
-
-
 @cache
 def load(kind: Kind, name: str) -> Any:
     """Import a strategy's class.
@@ -91,50 +91,15 @@ def load(kind: Kind, name: str) -> Any:
     """
     file = _files(kind).get(name)
     if file is None:
-        raise UnknownStrategy(f"unknown {name!r}; {nearest(name, names(kind))}")
+        raise UnknownStrategy(f"unknown {name!r}; {did_you_mean(name, names(kind))}")
     if isinstance(file, Path):
-        _check_lanes(file)
+        check_lanes(file)
     module = _imported(kind, file)
     strategy = getattr(module, "Strategy", None)
     if not isinstance(strategy, type):
         raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
     strategy.name = name  # type: ignore[attr-defined]
     return strategy
-
-
-_NO_LANES = ("abs", "acos", "asin", "atan2", "cos", "exp", "log", "rsqrt", "sin", "tan", "tanh")
-"""What Taichi 1.7.4 cannot do with a vector of lanes: it does not complain, it ends the process."""
-
-
-def _check_lanes(file: Path) -> None:
-    """Refuse what would end the process when its kernel is compiled. Errors: ValueError that names the line and the mend."""
-    try:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-    except SyntaxError as error:
-        raise ValueError(f"{file}:{error.lineno}: not valid Python: {error.msg}") from None
-    for func in ast.walk(tree):
-        if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
-            continue
-        node: Any
-        for node in ast.walk(func):
-            mend = None
-            if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
-                mend = "lanes cannot be negated: write 0.0 - x"
-            elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Sub):
-                mend = "lanes cannot be decremented in place: write x = x - y"
-            elif isinstance(node, ast.Call) and _ends_in(node.func, _NO_LANES):
-                mend = f"lanes have no {ast.unparse(node.func)}: see CONTRIBUTING, 'Write a term in lanes'"
-            if mend:
-                raise ValueError(f"{file}:{node.lineno}: {mend}")
-
-
-def _ends_in(node: ast.expr, names: tuple[str, ...]) -> bool:
-    """Tell whether a function is called by one of these names, as in abs, ti.abs or ti.math.abs."""
-    return (isinstance(node, ast.Name) and node.id in names) or (isinstance(node, ast.Attribute) and node.attr in names)
-
-
-def _is_ti(node: ast.expr, names: tuple[str, ...]) -> bool:
-    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ti" and node.attr in names
 
 
 _FORMER = {f"tiswarm.{kind}": f"tiswarm.strategies.{kind}" for kind in KINDS} | {"tiswarm.lanes": "tiswarm.simd.lanes"}
@@ -158,6 +123,19 @@ def _imported(kind: Kind, file: Path | str) -> ModuleType:
     except Exception as error:  # whatever a user's file raises
         raise ValueError(f"{file}: cannot be imported: {type(error).__name__}: {error}") from None
     return module
+
+
+def catalogues(side: Side) -> tuple[tuple[Role, Kind], ...]:
+    """Give the two roles of a side, each with the kind that it chooses from: both sides avoid by the same strategies."""
+    return ("strategy", side), ("avoidance", "avoidance")
+
+
+def roles(scenario: Any) -> Iterator[tuple[Side, Role, Kind, str]]:
+    """List what a scenario chooses: side, role, the kind that is chosen from, and the name."""
+    sides: tuple[Side, ...] = ("prey", "predators")
+    for side in sides:
+        for role, kind in catalogues(side):
+            yield side, role, kind, getattr(getattr(scenario, side), role)
 
 
 @cache

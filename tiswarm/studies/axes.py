@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.model import Part, Real
+from tiswarm.scenario.parts import Part, Real
 
 Whole = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
@@ -23,11 +23,14 @@ DIGITS = 6
 class Axis(Part):
     """One key and the values it takes, or several keys that change together; `base` is a key, too.
 
+    For several keys each value is a list, one for each of them; it may end early, and the keys behind are then left alone (a
+    strategy's own weight where another strategy is chosen).
+
     Either `values`, or a range `low` to `high`: of `steps` even steps, both ends included, or drawn from by a Latin hypercube.
     """
 
     key: str | tuple[str, ...]
-    values: tuple[Any, ...] | None = None  # for several keys, each value is a list with one value for each
+    values: tuple[Any, ...] | None = None
     low: Real | None = None
     high: Real | None = None
     steps: Whole | None = None
@@ -43,9 +46,11 @@ class Axis(Part):
                 raise ValueError("an axis has values, or low and high; drop one of them")
             if not self.values:
                 raise ValueError("values must not be empty")
-            wrong = [value for value in self.values if len(self.keys) > 1 and not _as_many(value, len(self.keys))]
+            wrong = [value for value in self.values if len(self.keys) > 1 and not _at_most(value, len(self.keys))]
             if wrong:
-                raise ValueError(f"with {len(self.keys)} keys each value is a list of {len(self.keys)}, unlike {wrong[0]!r}")
+                raise ValueError(
+                    f"with {len(self.keys)} keys each value is a list of 1 to {len(self.keys)}, unlike {wrong[0]!r}"
+                )
         elif self.low is None or self.high is None or self.low > self.high:
             raise ValueError("an axis needs values = [...], or low and high with low <= high")
         elif self.scale == "log" and self.low <= 0:
@@ -82,15 +87,15 @@ class Axis(Part):
         return round(value) if self.whole else float(f"{value:.{DIGITS}g}")
 
     def _point(self, value: Any) -> dict[str, Any]:
-        return dict(zip(self.keys, value if len(self.keys) > 1 else (value,), strict=True))
+        return dict(zip(self.keys, value if len(self.keys) > 1 else (value,), strict=False))
 
     def drawn(self, share: float) -> dict[str, Any]:
         """Give what the axis sets at a share (0 to 1) of its way."""
         return self._point(self.at(share))
 
 
-def _as_many(value: Any, count: int) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, str) and len(value) == count
+def _at_most(value: Any, count: int) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str) and 1 <= len(value) <= count
 
 
 def points(axes: Sequence[Axis], combine: Combine, samples: int | None) -> list[dict[str, Any]]:

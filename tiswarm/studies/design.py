@@ -11,10 +11,11 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import COUNTED, MEASURED
-from tiswarm.scenario.model import Part, Positive, Scenario
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.parts import Part, Positive
 from tiswarm.scenario.presets import load, preset_folder, read_toml, study_names
-from tiswarm.strategies.registry import nearest
 from tiswarm.studies.axes import Axis, Combine, Whole, label, points
+from tiswarm.system.words import did_you_mean
 
 MEASURES = ("success", "time", "impact_spread")
 """What a study reports unless it says otherwise."""
@@ -43,6 +44,11 @@ class Design(Part):
     axes: tuple[Axis, ...] = ()
     combine: Combine = "grid"
     samples: Whole | None = None  # cells of a Latin hypercube
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """List the keys of the axes."""
+        return tuple(key for axis in self.axes for key in axis.keys)
 
 
 class Table(Design):
@@ -125,7 +131,7 @@ class Study(Design):
 class Cell:
     """One scenario of a study, and the seed that all its trials share.
 
-    point: key of the scenario -> its value, for each key of the table's axes.
+    point: key of the scenario -> its value, for each key of the table's axes that the cell sets.
     """
 
     number: int
@@ -145,7 +151,7 @@ def find_study(name: str) -> Path:
     if name.endswith(".toml"):
         return Path(name)
     if name not in study_names():
-        raise ScenarioError(f"study: unknown '{name}'; {nearest(name, study_names())}")
+        raise ScenarioError(f"study: unknown '{name}'; {did_you_mean(name, study_names())}")
     return preset_folder() / "studies" / f"{name}.toml"
 
 
@@ -185,7 +191,7 @@ def _measuring(scenario: Scenario, names: tuple[str, ...]) -> Scenario:
     """Let a scenario measure what the study reports and it would not. Errors: ScenarioError for an unknown measure."""
     for name in names:
         if name not in COUNTED and name not in MEASURED:
-            raise ScenarioError(f"measures: unknown '{name}'; {nearest(name, [*COUNTED, *MEASURED])}")
+            raise ScenarioError(f"measures: unknown '{name}'; {did_you_mean(name, [*COUNTED, *MEASURED])}")
     new = [name for name in names if name in MEASURED and name not in scenario.measures.names]
     return scenario.replaced({"measures.names": [*scenario.measures.names, *new]}) if new else scenario
 
@@ -200,17 +206,19 @@ def _check_keys(study: Study, found: list[Cell]) -> None:
     for pair in study.correlate:
         if pair.x not in keys and pair.x not in study.measures:
             raise ScenarioError(
-                f"correlate.x: '{pair.x}' is no axis and no measure; {nearest(pair.x, [*keys, *study.measures])}"
+                f"correlate.x: '{pair.x}' is no axis and no measure; {did_you_mean(pair.x, [*keys, *study.measures])}"
             )
         if pair.y not in study.measures:
-            raise ScenarioError(f"correlate.y: '{pair.y}' is no measure of the study; {nearest(pair.y, list(study.measures))}")
+            raise ScenarioError(
+                f"correlate.y: '{pair.y}' is no measure of the study; {did_you_mean(pair.y, list(study.measures))}"
+            )
     if study.game is not None:
         sides = (*study.game.prey, *study.game.predators)
         if sorted(sides) != keys or study.tables is not None:
             raise ScenarioError(f"game: its keys must be those of the study's own axes, each on one side; they are {keys}")
         if study.game.payoff not in study.measures:
             raise ScenarioError(
-                f"game.payoff: '{study.game.payoff}' is no measure; {nearest(study.game.payoff, list(study.measures))}"
+                f"game.payoff: '{study.game.payoff}' is no measure; {did_you_mean(study.game.payoff, list(study.measures))}"
             )
 
 

@@ -9,10 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tiswarm.records.results import write_text
 from tiswarm.studies.axes import label
 from tiswarm.studies.report import Report, figures_of
-from tiswarm.system.files import replacing
+from tiswarm.system.files import replacing, write_text
 
 
 def against_published(report: Report) -> str:

@@ -102,7 +102,7 @@ def contest(report: Report) -> Contest | None:
         return None
 
     def side(row: Row, keys: Sequence[str]) -> str:
-        return "/".join(label(row.cell.point[key]) for key in keys)
+        return "/".join(label(row.cell.point[key]) for key in keys if key in row.cell.point)
 
     places = {(side(row, rules.prey), side(row, rules.predators)): row for row in report.rows}
     rows, columns = (list(dict.fromkeys(place[k] for place in places)) for k in (0, 1))

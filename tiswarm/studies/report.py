@@ -98,7 +98,7 @@ class Report:
     @property
     def keys(self) -> list[str]:
         """List the keys of all axes, in their order."""
-        return list(dict.fromkeys(key for row in self.rows for key in row.cell.point))
+        return list(dict.fromkeys(key for row in self.rows for key in row.cell.table.keys))
 
     def z_summary(self, measures: tuple[str, ...] | None = None) -> tuple[float, float]:
         """Give the root mean square and the largest |z| over all rows and the given measures, all when None."""

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics.table import Structure
-from tiswarm.engine.trials.batch import Progress, simulate_many
+from tiswarm.engine.run import simulate_many
+from tiswarm.engine.trials.batch import Progress
 from tiswarm.records.results import Results
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime

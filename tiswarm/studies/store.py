@@ -12,16 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.records.results import manifest, write_text
+from tiswarm.records.manifest import manifest
+from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
 from tiswarm.strategies import registry
 from tiswarm.studies.design import Cell
-from tiswarm.system.files import check_writable, replacing
+from tiswarm.system.files import check_writable, replacing, write_text
 
 MANIFEST = "manifest.json"
 
 _OUTCOMES = ("simd", "space", "strategies", "scenario", "dynamics", "measures", "engine")
-"""Packages that outcomes of trials come from. Of strategies, only those count that the cells use."""
+"""Packages that outcomes of trials come from. Of strategies, only those count that are used."""
 
 _TOLD = {
     "study": "the study {old}, not {new}",
@@ -63,7 +64,7 @@ class Ledger:
             "trials": trials,
             "measures": list(measures),
             "scenario_hash": sha256("".join(f"{c.scenario.hash()} {c.seed}\n" for c in cells).encode()).hexdigest()[:16],
-            "code": code_hash(cells),
+            "code": code_hash([cell.scenario for cell in cells]),
             "cells": [_told(cell) for cell in cells],
         }
         self.about: dict[str, Any] = json.loads(manifest(settings, **told))
@@ -147,16 +148,14 @@ def read_cell(folder: Path, number: int, trials: int) -> dict[str, np.ndarray] |
     return outcomes if outcomes and all(each.shape == (trials,) for each in outcomes.values()) else None
 
 
-def code_hash(cells: Sequence[Cell]) -> str:
-    """Name the state of the code that outcomes come from: the simulator's packages, and the files of the cells' strategies."""
+def code_hash(scenarios: Sequence[Scenario]) -> str:
+    """Name the state of the code that outcomes come from: the simulator's packages, and the files of strategies in use."""
     root = Path(__file__).parents[1]
     behaviours = {root / "strategies" / kind for kind in registry.KINDS}
     files = {file for package in _OUTCOMES for file in (root / package).rglob("*.py") if file.parent not in behaviours}
     files |= {folder / "__init__.py" for folder in behaviours}
-    for scenario in (cell.scenario for cell in cells):
-        chosen: list[tuple[registry.Kind, str]] = [("prey", scenario.prey.strategy), ("predators", scenario.predators.strategy)]
-        chosen += [("avoidance", scenario.prey.avoidance), ("avoidance", scenario.predators.avoidance)]
-        for kind, name in chosen:
+    for scenario in scenarios:
+        for _, _, kind, name in registry.roles(scenario):
             files |= {_file(kind, part) for part in registry.parts(kind, name)}
     hashes = sorted(sha256(file.read_bytes()).hexdigest() for file in files)
     return sha256("".join(hashes).encode()).hexdigest()[:16]

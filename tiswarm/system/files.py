@@ -1,4 +1,4 @@
-"""Write files whole or not at all."""
+"""Files: written whole or not at all."""
 
 import errno
 import os
@@ -24,6 +24,12 @@ def replacing(path: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file of text whole or not at all."""
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def check_writable(folder: Path) -> None:

@@ -1,6 +1,5 @@
 """Initial: start states of large swarms as arrays, drawn by the funcs of spawn.py, so that they are those of kernel.py."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from tiswarm.dynamics.table import Layout
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.simd import launch, philox, runtime
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Types
 
 States = dict[str, tuple[np.ndarray, np.ndarray]]
 """Positions and velocities of prey, predators and obstacles: [trial, agent, dim] each, m and m/s; NaN where nobody is.
@@ -63,7 +62,7 @@ def _kernel(layout: Layout, kind: str) -> Any:
     return runtime.kept(("draw", layout.structure, kind), lambda: _build(layout, runtime.types(), kind))
 
 
-def _build(layout: Layout, types: SimpleNamespace, kind: str) -> Any:
+def _build(layout: Layout, types: Types, kind: str) -> Any:
     draw_one = getattr(spawn.build(layout, types), kind)
     flat, integers = types.lane_array(1), types.integer_lanes
     wide = 2 * len(layout.axes)

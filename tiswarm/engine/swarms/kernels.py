@@ -4,17 +4,21 @@ A crowd (near_cells.py) has cold rows by number as well: see transfer.py. Means 
 up in their order, so that no bit depends on threads.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
 
 from tiswarm.dynamics import steering
+from tiswarm.dynamics.integrator import drifted
 from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import transfer
+from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.simd.lanes import Together, motion, place
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 # What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
@@ -24,16 +28,42 @@ PIECE = 128
 """Blocks whose sums are added up first: the order of summation does not depend on threads."""
 
 
+@dataclass(frozen=True)
+class TickKernels:
+    """What a tick launches, apart from contact; and whether what depends on strategies must run at all."""
+
+    move_prey: Func
+    move_predators: Func | None
+    move_plain: Func  # prey that meet nobody but each other
+    run_plain: Func  # the same for several ticks in one launch
+    begin: Func
+    face: Func
+    remember: Func
+    drift_prey: Func
+    drift_predators: Func
+    average: Func
+    rank: Func
+    starts: bool  # whether memory or headings begin with something
+    remembers: bool  # whether memory is revised after a move
+    ranks: bool  # whether somebody looks at agents by their number
+    averages: bool  # whether somebody looks at means of the whole swarm
+    scans: bool  # whether prey look at obstacles beyond their fields
+
+
 def build(
     layout: Layout,
-    types: SimpleNamespace,
-    see: SimpleNamespace,
-    senses: SimpleNamespace,
-    near: SimpleNamespace,
+    types: Types,
+    see: Views,
+    senses: CellSearch,
+    near: Any,
     uniform: Any,
     mortal: bool,
-) -> SimpleNamespace:
-    """Build the kernels move_prey, move_predators, drift, begin, remember, average, order, and `plain` ones for prey alone."""
+) -> TickKernels:
+    """Build the kernels of a tick, and what the host asks about them: whether prey have memory to begin with or to update.
+
+    move_prey, move_predators, drift_prey, drift_predators, face (predators), begin, remember (prey), average, rank; move_plain
+    and run_plain, for prey that meet nobody but each other.
+    """
     lanes, integers, real = types.lanes, types.integer_lanes, types.real
     dim, frame = len(layout.axes), layout.structure.frame
     driven = steering.build(layout, types, see, senses, uniform)
@@ -70,9 +100,9 @@ def build(
         @ti.func
         def move_block(
             crowds: ti.template(), scratch: ti.template(), a, numbers: ti.template(), means: ti.template(), block, count,
-            prey_count, clock: ti.template(),
+            prey_count, clock: ti.template(), rows: ti.template(),
         ):  # fmt: skip
-            """Move a block of agents; slots without one are written, too, for the sort."""
+            """Move a block of agents; slots without one are written, too, for the sort. rows: its grid's, see cell_list.py."""
             crowd = crowds.of(kind)
             trial = block * LANES // crowd.whole[SLOTS]
             end = end_of(crowd, alive_end, block)
@@ -88,7 +118,7 @@ def build(
                 drive_one(here, draw, scratch, a, me, numbers, 0, swarm, target)
                 step_of.commit(scratch, a, numbers, 0)
                 ferry.save_rows(scratch, a, crowd, count, block, end)
-            save(scratch, a, crowd, block, end)
+            save(scratch, a, crowd, rows, block, end)
 
         return move_block
 
@@ -112,12 +142,10 @@ def build(
                 if index % TASK == 0:
                     chunk = index // TASK
                     prey = Together(
-                        agents=prey_agents, whole=prey_whole, rows=moving_rows, reals=prey_reals, cold=prey_cold,
-                        order=prey_order,
+                        agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, order=prey_order,
                     )  # fmt: skip
                     predators = Together(
-                        agents=predator_agents, whole=predator_whole, rows=moving_rows, reals=predator_reals,
-                        cold=predator_cold,
+                        agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold,
                     )  # fmt: skip
                     obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
                     crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
@@ -127,41 +155,45 @@ def build(
                     for block in range(begin, end):
                         move_block(
                             crowds, scratch, chunk * deep, numbers, means, block, count, prey_count, clock,
+                            moving_rows,
                         )  # fmt: skip
 
         return move
 
     @ti.func
-    def plain_block(prey: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, block):
-        """Move a block of prey that meet nobody but each other."""
+    def plain_block(
+        prey: ti.template(), rows: ti.template(), scratch: ti.template(), numbers: ti.template(), means: ti.template(),
+        clock: ti.template(), chunk, block,
+    ):  # fmt: skip
+        """Move a block of prey that meet nobody but each other, and have no cold rows to be found by their count."""
         crowds = Together(prey=prey, predators=0, obstacles=0)
-        a = chunk * deep
-        move_prey_block(crowds, scratch, a, numbers, numbers, block, 0, 0, prey.whole)
+        move_prey_block(crowds, scratch, chunk * deep, numbers, means, block, 0, 0, clock, rows)
 
     @ti.kernel
     def move_plain(
         agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
-        scratch: flat, numbers: flat,
+        scratch: flat, numbers: flat, means: cold_array, clock: whole_array,
     ):  # fmt: skip
         for index in range(LOOP):
             if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+                prey = Together(agents=agents, whole=whole, reals=reals)
                 begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(begin, end):
-                    plain_block(prey, scratch, numbers, index // TASK, block)
+                    plain_block(prey, rows, scratch, numbers, means, clock, index // TASK, block)
 
     @ti.kernel
     def run_plain(
         agents: near.prey.agent_array, whole: whole_array, reals: near.prey.real_array, rows: near.prey.row_array,
-        scratch: flat, numbers: flat, ticks: ti.i32,
+        scratch: flat, numbers: flat, means: cold_array, clock: whole_array, ticks: ti.i32,
     ):  # fmt: skip
         """Run many ticks on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(ticks):
-            prey = Together(agents=agents, whole=whole, rows=rows, reals=reals)
+            prey = Together(agents=agents, whole=whole, reals=reals)
             for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
-                plain_block(prey, scratch, numbers, 0, block)
+                plain_block(prey, rows, scratch, numbers, means, clock, 0, block)
             near.prey.arrange(agents, whole)
+            clock[AGE] = clock[AGE] + 1
 
     def revises(kind: str, revise):
         """Build a kernel that lets `revise` change what agents of a kind remember."""
@@ -214,14 +246,12 @@ def build(
             total = whole[SLOTS] * whole[TRIALS]
             for slot in range(total):
                 trial = slot // whole[SLOTS]
-                half = 0.5 * numbers[layout.at.dt][0]
+                step = numbers[layout.at.dt][0]
                 moved = agents[slot]
                 for k in ti.static(range(dim)):
-                    moved[k] += half * moved[dim + k]
-                    if ti.static(frame.boundary == "periodic"):
-                        size = numbers[layout.at.size[k]][0]
-                        moved[k] = moved[k] - size * ti.floor(moved[k] / size)
-                        moved[k] = ti.select(moved[k] >= size, real(0.0), moved[k])
+                    moved[k] = drifted(moved[k], moved[dim + k], step)
+                    if ti.static(box.wraps(frame.boundary)):
+                        moved[k] = box_lanes.wrap(moved[k], numbers[layout.at.size[k]][0])
                 place = whole[CELLS] - 1
                 if slot < funcs.alive_end(whole, trial):
                     place = funcs.place_of(moved, whole, reals)
@@ -279,7 +309,8 @@ def build(
             if slot < near.prey.alive_end(whole, trial):
                 order[trial * count + carried["prey"].number_in(whole, slot)] = slot
 
-    return SimpleNamespace(
+    strategies = layout.parts("prey", "strategy")
+    return TickKernels(
         move_prey=kernel_of("prey", move_prey_block),
         move_predators=kernel_of("predators", move_predator_block) if layout.structure.hunted else None,
         move_plain=move_plain,
@@ -293,5 +324,7 @@ def build(
         rank=rank,
         starts=driven.starts or "prey" in frame.unicycles,
         remembers=driven.remembers,
-        wide={kind: carried[kind].wide for kind in carried},
+        ranks=any(p.strategy.leads for p in strategies) or bool(layout.parts("predators", "strategy", "observe")),
+        scans=any({"blocks", "look"} & set(p.own) for p in layout.parts("prey", "avoidance")),
+        averages=layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies),
     )

@@ -4,14 +4,17 @@ The funcs are those of perception.py. Here a crowd is a namespace of a grid's ar
 maps numbers to slots where a strategy needs it.
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.dynamics import perception
+from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import Together, coordinates, place
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space.cells import HEAD, REACH_X, SLOTS, TRIALS
 from tiswarm.strategies.flocking import see_mate
 
@@ -19,8 +22,31 @@ FAR = 1e15
 """Where lanes wait that do not visit: out of everyone's reach [m]."""
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: SimpleNamespace) -> SimpleNamespace:
-    """Build gather (kind -> func), heed, chase, blocked, look; cross (func -> walk through another crowd); me_of and mate_of.
+@dataclass(frozen=True)
+class Known:
+    """How agents of one kind are read."""
+
+    me_of: Func  # give the agents of a block from their scratch rows. number: lanes, counted from 1
+    mate_of: Func  # give the agent in a slot
+    other_than: Func  # give a mate who is not there in the lane that it is itself
+    missing: Func
+
+
+@dataclass(frozen=True)
+class CellSearch(NeighbourSearch):
+    """The neighbour search through cell lists, and what other loops of large swarms need of it."""
+
+    crosses: Func  # (kind, meet) -> a walk of any block through the agents of a kind
+    away_in: Func
+    obstacle_of: Func
+    me_of: dict[str, Func]
+    mate_of: dict[str, Func]
+
+
+def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
+    """Build gather, flocked, me_of and mate_of (kind -> func), heed, chase, blocked, look and obstacle_of.
+
+    away_in: kind -> func that gives the way from its agent in a slot; crosses: kind, func -> walk through that crowd.
 
     near: prey, predators, obstacles -> the funcs of their grids.
     here: prey, predators, obstacles (crowds), numbers; trial; block and end of the agents who look, in slots of their crowd;
@@ -75,7 +101,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: Si
         def missing():
             return Mate(*[real(0.0) for _ in ti.static(names)])
 
-        return SimpleNamespace(me_of=me_of, mate_of=mate_of, other_than=other_than, missing=missing)
+        return Known(me_of=me_of, mate_of=mate_of, other_than=other_than, missing=missing)
 
     known = {kind: knows(kind) for kind in ("prey", "predators")}
 
@@ -232,7 +258,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: Si
     def obstacle_of(agents: ti.template(), j):
         return Obstacle(*[agents[j][k] for k in ti.static(range(dim + 1))])
 
-    def blocks_walk(p: SimpleNamespace):
+    def blocks_walk(p: Any):
         @ti.func
         def meet_blocking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             obstacle = obstacle_of(agents, j)
@@ -242,7 +268,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: Si
 
         return crosses("obstacles", meet_blocking)
 
-    def look_walk(p: SimpleNamespace):
+    def look_walk(p: Any):
         @ti.func
         def meet_looking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             away = from_obstacle(here, agents, j, reals)
@@ -279,7 +305,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, near: Si
         view = Together(notes=notes, me=me, course=course, weights=weights)
         ti.static([avoiding["look", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
 
-    return SimpleNamespace(
+    return CellSearch(
         gather={kind: gathers(kind) for kind in ("prey", "predators")},
         flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
         heed=heed,

@@ -50,15 +50,13 @@ class Swarm(Crowds):
                 f"trials: {trials} from number {trial} on are not possible; use 1 or more, up to number {MOST_TRIALS}"
             )
         if isinstance(start, tuple):
-            start = tuple(np.asarray(each, np.float64) for each in start)
+            start = np.asarray(start[0], np.float64), np.asarray(start[1], np.float64)
             if start[0].ndim != 3 or start[0].shape != start[1].shape or start[0].shape[2] != scenario.world.dim:
                 told = " and ".join(str(each.shape) for each in start)
                 raise ValueError(f"start: positions and velocities {told} need [trial, agent, dim]")
             trials = start[0].shape[0]
         elif start is not None:
-            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
-            paths = ("prey.count", "predators.count", "obstacles.count")
-            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+            scenario = start.applied(scenario)
         check(scenario)
         layout = Layout(Structure.of([scenario], scenario.predators.count), runtime.types().lanes)
         if isinstance(start, Start):
@@ -80,7 +78,7 @@ class Swarm(Crowds):
     def fate(self, kind: str = "prey") -> np.ndarray:
         """Name what became of each agent so far: [trial, agent]."""
         crowd = self._crowds[kind]
-        if not self._mortal:
+        if not self.mortal:
             return np.full((self.trials, crowd.grid.count), FATES[0])
         return np.array(FATES)[crowd.row(self._layout.rows.fate)[:, : crowd.grid.count].astype(int)]
 
@@ -117,17 +115,8 @@ class Swarm(Crowds):
 
     def record(self) -> Recording:
         """Run the first trial to its end and keep its path."""
-        paths = [
-            Moment(
-                np.stack([each.position for each in own]),
-                np.stack([each.velocity for each in own]),
-                own[-1].fate,
-                np.stack([each.state for each in own]),
-                np.stack([each.group for each in own]),
-            )
-            for own in zip(*self, strict=True)
-        ]
-        return Recording(self.scenario, self.seed, self.trial, *paths, self.obstacle_position, self.obstacle_radius)
+        prey, predators = (Moment.of(own) for own in zip(*self, strict=True))
+        return Recording(self.scenario, self.seed, self.trial, prey, predators, self.obstacle_position, self.obstacle_radius)
 
     def __iter__(self) -> Iterator[tuple[Moment, Moment]]:
         """Run the first trial to its end: give prey and predators now, then after each tick."""
@@ -135,6 +124,67 @@ class Swarm(Crowds):
         while not self.ended[0]:
             self.step()
             yield self.moment("prey"), self.moment("predators")
+
+
+class Alone:
+    """One trial of a large swarm, with what engine/trials/trial.py's Single gives: arrays [agent, ...]."""
+
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
+        """Draw the start from seed and trial number, or take an explicit one. Errors: as of `Swarm`."""
+        self._swarm = Swarm(scenario, seed, 1, trial, start)
+
+    @property
+    def scenario(self) -> Scenario:
+        """Give the scenario that runs."""
+        return self._swarm.scenario
+
+    @property
+    def age(self) -> int:
+        """Count the ticks run."""
+        return self._swarm.age
+
+    @property
+    def ended(self) -> bool:
+        """Tell whether the trial is over."""
+        return bool(self._swarm.ended[0])
+
+    def step(self, ticks: int) -> None:
+        """Run so many ticks, fewer when the trial ends before."""
+        left = min(ticks, self._swarm.ticks - self._swarm.age)
+        if not self._swarm.mortal:
+            self._swarm.step(left)
+            return
+        for _ in range(left):
+            if not self.ended:
+                self._swarm.step()
+
+    def position(self, kind: str) -> np.ndarray:
+        """Give where agents are: [agent, dim], m, NaN for those who are gone."""
+        return self._swarm.position(kind)[0]
+
+    def velocity(self, kind: str) -> np.ndarray:
+        """Give their velocity: [agent, dim], m/s, NaN for those who are gone."""
+        return self._swarm.velocity(kind)[0]
+
+    def fate(self, kind: str) -> np.ndarray:
+        """Name what became of each agent so far: [agent]."""
+        return self._swarm.fate(kind)[0]
+
+    def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
+        """Give the agents' memory: strategy -> name -> [agent]."""
+        return {name: {key: rows[0] for key, rows in each.items()} for name, each in self._swarm.memory(kind).items()}
+
+    def groups(self, kind: str) -> np.ndarray | None:  # noqa: ARG002 - as its sister's
+        """Give no sub-swarms: predators that split up need all pairs."""
+        return None
+
+    def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Give the obstacles' centres and radii: [obstacle, dim] and [obstacle], m."""
+        return self._swarm.obstacle_position, self._swarm.obstacle_radius
+
+    def renumber(self, scenario: Scenario) -> None:
+        """Take over the numbers of a scenario of the same structure and counts; they judge the state of now."""
+        self._swarm.renumber(scenario)
 
 
 def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> dict[str, np.ndarray]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES
+from tiswarm.space import box
 from tiswarm.space.cell_list import Grid
-from tiswarm.space.cells import Boundary, Space
+from tiswarm.space.cells import Space
 
 SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
@@ -45,7 +47,8 @@ class Crowds:
     """Trials of a scenario with any number of agents, tick by tick.
 
     age: moves made so far. ticks: how many it may make. counts: [trial, (alive, arrived, captured, crashed)] of the prey.
-    ended: [trial], bool; ended_at, first_arrival, last_arrival: [trial], ticks, 0 where that has not happened yet.
+    mortal: whether anybody can die or arrive. ended: [trial], bool; ended_at, first_arrival, last_arrival: [trial], ticks, 0
+    where that has not happened yet.
     """
 
     def __init__(self, scenario: Scenario, layout: Layout, seed: int, trial: int, states: initial.States) -> None:
@@ -54,17 +57,15 @@ class Crowds:
         self.scenario, self.seed, self.trial = scenario, seed, trial
         self.ticks, self.age = scenario.world.ticks, 0
         self._layout = layout
-        self._mortal = bool(layout.structure.hunted or scenario.obstacles.count or scenario.target.present)
+        self.mortal = bool(layout.structure.hunted or scenario.obstacles.count or scenario.target.present)
         self._crowds = {}
         for kind, (position, velocity) in states.items():
-            extra = len(layout.shown(kind)) if kind != "obstacles" else 0
-            grid = Grid(space_of(scenario, kind), reach_of(scenario, kind), position.shape[1], trials, extra)
-            grid.place(position, velocity)
-            kept = transfer.kept_rows(layout, kind, mortal=self._mortal) if kind != "obstacles" else []
+            grid = self._grid(kind, position, velocity)
+            kept = transfer.kept_rows(layout, kind, mortal=self.mortal) if kind != "obstacles" else []
             cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
             self._crowds[kind] = Crowd(grid, cold, kept)
         self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
-        self._kernels = _kernels(layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self._mortal)
+        self._kernels = self._built()
         self._numbers = initial.numbers_of(scenario, layout)
         self._scratch = runtime.aligned((transfer.CHUNKS * transfer.scratch_rows(layout), LANES), types.dtype)
         prey = self._prey.grid
@@ -79,7 +80,7 @@ class Crowds:
         self.ended = np.zeros(trials, bool)
         self.ended_at, self.first_arrival, self.last_arrival = np.zeros((3, trials), np.int64)
         alive = layout.rows.alive
-        if self._mortal:
+        if self.mortal:
             for crowd in (self._prey, self._predators):
                 crowd.row(alive)[:] = 1
                 crowd.row(alive)[:, : crowd.grid.count] = np.isfinite(crowd.grid.gathered(slice(0, 1))[..., 0])
@@ -89,11 +90,50 @@ class Crowds:
             [self.trial, *philox.seed_words(self.seed)], np.uint32
         ).view(np.int32)
         self._ready: dict[str, Callable[..., None]] = {}
-        if self._kernels.starts:
-            self._revise("begin", self._prey)
-        if "predators" in layout.structure.frame.unicycles and layout.structure.hunted:
-            self._revise("face", self._predators)
+        self._begin()
         self._judge(0)
+
+    def _grid(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> Grid:
+        """Give a grid with the agents of a kind in it: [trial, agent, dim], m and m/s."""
+        trials, count = position.shape[:2]
+        extra = len(self._layout.shown(kind)) if kind != "obstacles" else 0
+        grid = Grid(space_of(self.scenario, kind), reach_of(self.scenario, kind), count, trials, extra)
+        grid.place(position, velocity)
+        return grid
+
+    def _built(self) -> "SwarmKernels":
+        return _kernels(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self.mortal)
+
+    def _begin(self) -> None:
+        """Give memories their first values, and headings to unicycles."""
+        if self._kernels.tick.starts:
+            self._revise("begin", self._prey)
+        if "predators" in self._layout.structure.frame.unicycles and self._layout.structure.hunted:
+            self._revise("face", self._predators)
+
+    def renumber(self, scenario: Scenario) -> None:
+        """Take over the numbers of a scenario of the same structure and counts; they judge the state of now.
+
+        Where agents now look farther or less far, or the world has another size, they are put into cells anew, in the order
+        of their numbers; everywhere else no array changes but the numbers.
+        """
+        before, self.scenario = self.scenario, scenario
+        self.ticks = scenario.world.ticks
+        self._numbers[:] = initial.numbers_of(scenario, self._layout)
+        for kind, crowd in self._crowds.items():
+            if (space_of(before, kind), reach_of(before, kind)) != (space_of(scenario, kind), reach_of(scenario, kind)):
+                self._regrid(kind, crowd)
+        self._kernels = self._built()
+        if self.age == 0:
+            self._begin()
+        self._judge(min(self.age, 1))
+
+    def _regrid(self, kind: str, crowd: Crowd) -> None:
+        dim = self.scenario.world.dim
+        state = crowd.grid.gathered(slice(0, None))
+        crowd.grid = self._grid(kind, state[..., :dim], state[..., dim : 2 * dim])
+        crowd.grid.show(np.nan_to_num(state[..., 2 * dim :]))
+        self._ready.clear()
 
     @property
     def _tools(self) -> tuple[np.ndarray, np.ndarray]:
@@ -121,25 +161,28 @@ class Crowds:
             for _ in range(ticks):
                 self._tick()
             return
-        arrays = (*self._prey.arrays, grid.rows, *self._tools)
+        arrays = (*self._prey.arrays, grid.rows, *self._tools, self._means, self._clock)
+        self._clock[kernels.AGE] = self.age
         if grid.total <= SMALL:
             self._launch("run_plain", *arrays, ticks)
+            self.age += ticks
         else:
             for _ in range(ticks):
                 self._launch("move_plain", *arrays)
                 grid.sort()
-        self.age += ticks
+                self.age += 1
+                self._clock[kernels.AGE] = self.age
         self._judge(1)
 
     @property
     def _plain(self) -> bool:
-        """Tell whether prey meet nobody but each other and remember nothing."""
-        verlet = self._layout.structure.frame.verlet
-        return not (self._mortal or self._prey.kept or verlet or self._kernels.averages)
+        """Tell whether prey meet nobody but each other, look for nobody else and remember nothing."""
+        own, verlet = self._kernels.tick, self._layout.structure.frame.verlet
+        return not (self.mortal or self._prey.kept or verlet or own.averages or own.ranks or own.scans)
 
     def _tick(self) -> None:
         """Let the prey move, then the predators, then judge: as kernel.py does."""
-        own, verlet = self._kernels, self._layout.structure.frame.verlet
+        own, verlet = self._kernels.tick, self._layout.structure.frame.verlet
         hunted = self._layout.structure.hunted
         counts = (self._prey.grid.count, self._predators.grid.count)
         self._clock[kernels.AGE] = self.age
@@ -163,10 +206,14 @@ class Crowds:
         self.age += 1
         self._judge(1)
 
+    def _kernel(self, name: str) -> Any:
+        kind = self._kernels.contacts if name in ("judge", "cull_prey", "cull_predators") else self._kernels.tick
+        return getattr(kind, name)
+
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         """Run a kernel on arrays that stay where they are, and whole numbers behind them: the call is made ready once."""
         if name not in self._ready:
-            self._ready[name] = prepared(getattr(self._kernels, name), *arguments)
+            self._ready[name] = prepared(self._kernel(name), *arguments)
         self._ready[name](*(each for each in arguments if isinstance(each, int)))
 
     def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
@@ -187,7 +234,7 @@ class Crowds:
         grid.sort()
 
     def _average(self) -> None:
-        if self._kernels.averages:
+        if self._kernels.tick.averages:
             grid = self._prey.grid
             self._launch("average", grid.agents, grid.whole, self._sums, self._means)
 
@@ -204,7 +251,7 @@ class Crowds:
     def _judge(self, moved: int) -> None:
         """Let agents die and arrive, and take them out of their cells."""
         before = self.counts[:, ALIVE].copy()
-        if self._mortal:
+        if self.mortal:
             prey, predators = self._prey, self._predators
             hunters = predators.row(self._layout.rows.alive).sum()
             self._clock[kernels.MOVED] = moved
@@ -245,29 +292,29 @@ class Crowds:
 def space_of(scenario: Scenario, kind: str) -> Space:
     """Give the space of a kind's grid. In open worlds prey fly anywhere; of the few others, those outside are in edge cells."""
     world = scenario.world
-    boundary: Boundary = world.boundary
-    return Space(tuple(world.size), "walls" if boundary == "open" and kind != "prey" else boundary)
+    boundary = world.boundary
+    return Space(tuple(world.size), boundary if box.bounded(boundary) or kind == "prey" else "walls")
 
 
-def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SimpleNamespace:
+@dataclass(frozen=True)
+class SwarmKernels:
+    """All that large swarms of one structure launch; contacts: None where nobody dies or arrives."""
+
+    tick: kernels.TickKernels
+    contacts: contacts.ContactKernels | None
+
+
+def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
     key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
     return runtime.kept(key, lambda: _build(layout, near, mortal))
 
 
-def _build(layout: Layout, near: SimpleNamespace, mortal: bool) -> SimpleNamespace:
+def _build(layout: Layout, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
     types = runtime.types()
     see = views.build(layout, types)
     senses = near_cells.build(layout, types, see, near)
     uniform = spawn.build(layout, types).uniform
-    own = kernels.build(layout, types, see, senses, near, uniform, mortal)
-    own.ranks = any(p.strategy.leads for p in layout.parts("prey", "strategy")) or any(
-        "observe" in p.own for p in layout.parts("predators", "strategy")
-    )
-    strategies = layout.parts("prey", "strategy")
-    own.averages = layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies)
-    if mortal:
-        judging = contacts.build(layout, types, see, senses, near)
-        vars(own).update(vars(judging))
-    return own
+    tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
+    return SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)

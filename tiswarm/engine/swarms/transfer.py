@@ -3,12 +3,15 @@
 What mates see lies in the grid's records, in cell order; all else lies in rows by number, which no sorting moves ("cold").
 """
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.dynamics.views import Views
+from tiswarm.engine.swarms.near_cells import CellSearch
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.cells import HEAD, SLOTS, TRIALS
 
 CHUNKS = 32
@@ -34,8 +37,23 @@ def scratch_rows(layout: Layout) -> int:
     return max(layout.agent_rows.values())
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: SimpleNamespace, kind: str, mortal: bool):
-    """Build load, save_rows, save_record and blocks_of for agents of a kind."""
+@dataclass(frozen=True)
+class Transfer:
+    """Funcs that bring agents from cells to lanes and back."""
+
+    load: Func
+    save_rows: Func  # write the cold rows of a block's agents back
+    save_shown: Func  # write what agents show of their memory into their records
+    saves: Func
+    wide: int  # rows of scratch memory that agents and notes take
+    number_in: Func  # give the number of the agent in a slot, from 0 within its trial
+
+
+def build(layout: Layout, types: Types, see: Views, senses: CellSearch, kind: str, mortal: bool):
+    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind.
+
+    wide: how many cold rows an agent has.
+    """
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows
     kept = kept_rows(layout, kind, mortal=mortal)
@@ -87,16 +105,16 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, senses: 
                 for k in ti.static(range(len(shown))):
                     crowd.agents[block * LANES + lane][2 * dim + k] = scratch[a + shown[k]][lane]
 
-    def saves(near: SimpleNamespace):
+    def saves(near: Any):
         @ti.func
-        def save_moved(scratch: ti.template(), a, crowd: ti.template(), block, end):
+        def save_moved(scratch: ti.template(), a, crowd: ti.template(), rows: ti.template(), block, end):
             """Write a block's moved agents behind those in cell order, with their places in the table."""
             told = [scratch[a + row] for row in ti.static(told_rows)]
-            near.put(crowd.agents, crowd.whole, crowd.rows, crowd.reals, told, block, end)
+            near.put(crowd.agents, crowd.whole, rows, crowd.reals, told, block, end)
 
         return save_moved
 
-    return SimpleNamespace(load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, wide=wide, number_in=number_in)
+    return Transfer(load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, wide=wide, number_in=number_in)
 
 
 @ti.func

@@ -1,28 +1,25 @@
-"""Batch: run the trials of one or many scenarios in chunks, or a single trial tick by tick."""
+"""Batch: run the trials of one or many scenarios in chunks."""
 
 from collections.abc import Callable, Mapping, Sequence
-from operator import index
 
 import numpy as np
 
 from tiswarm.dynamics.table import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
-from tiswarm.engine.choice import by_grid, check_pairs
-from tiswarm.engine.swarms import simulation
+from tiswarm.engine.choice import check_pairs
 from tiswarm.engine.trials import kernel
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.model import LIMIT, Scenario
+from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.parts import LIMIT
 from tiswarm.simd import launch, philox, runtime
 from tiswarm.simd.runtime import LANES
 from tiswarm.strategies import registry
 from tiswarm.system.progress import reporting
+from tiswarm.system.words import did_you_mean
 
 CHUNK = 16_384
 """Trials that one launch of the kernel runs: a fraction of a second, so that progress shows and Ctrl-C is heard; and a bound
 of the memory, since a trial in flight costs its outcomes, its place in the queue and the numbers of its own."""
-
-MOST_TRIALS = 100_000_000
-"""Outcomes of a batch stay in memory, 28 bytes a trial."""
 
 NO_LIMIT = 2**31 - 1
 
@@ -104,76 +101,7 @@ class Blocks:
         )
 
 
-def simulate(
-    scenario: Scenario,
-    trials: int = 1000,
-    seed: int = 0,
-    progress: Progress = False,
-    weights: Mapping[str, np.ndarray] | None = None,
-) -> Results:
-    """Run trials 0, 1, ... of a scenario.
-
-    progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
-    weights: path of any numeric key -> [trial], a number for each trial: {"prey.weights.evade": array}.
-
-    Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that are not allowed.
-    """
-    trials, seed = _checked(trials, seed)
-    if weights:
-        if scenario.world.neighbours == "grid":
-            raise ScenarioError("weights: numbers of single trials need all pairs; set world.neighbours to 'all-pairs'")
-        counts = _check_weights(scenario, weights, trials)
-        return _run([scenario], trials, seed, progress, weights, counts)[0]
-    return simulate_many([scenario], trials, seed, progress)[0]
-
-
-def simulate_many(
-    scenarios: Sequence[Scenario],
-    trials: int = 1000,
-    seed: int = 0,
-    progress: Progress = False,
-    finished: Finished | None = None,
-) -> list[Results]:
-    """Run the same trials of several scenarios as one batch with one kernel, which holds the code of all of them.
-
-    Each scenario gets the same bits as on its own: code that it does not use counts with a weight of zero.
-    finished: called with a scenario's place and its results once its last trial is over, while others still run.
-    """
-    trials, seed = _checked(trials, seed)
-    gridded = [by_grid(scenario) for scenario in scenarios]
-    if any(gridded):
-        return _run_apart(scenarios, trials, seed, progress, finished)
-    return _run(list(scenarios), trials, seed, progress, finished=finished)
-
-
-def _run_apart(
-    scenarios: Sequence[Scenario], trials: int, seed: int, progress: Progress, finished: Finished | None
-) -> list[Results]:
-    """Run scenarios one after the other, large swarms among them through a grid."""
-    results: list[Results] = []
-    with reporting(progress, trials * len(scenarios), "trials") as report:
-        for scenario in scenarios:
-            done = trials * len(results)
-            if by_grid(scenario):
-                own = simulation.outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
-                results.append(Results.of(scenario, seed, runtime.start(), own, {}, None))
-            else:
-                results += _run([scenario], trials, seed, lambda here, _, done=done: report(done + here))  # type: ignore[misc]
-            if finished is not None:
-                finished(len(results) - 1, results[-1])
-    return results
-
-
-def _checked(trials: int, seed: int) -> tuple[int, int]:
-    """Give both as plain whole numbers. Errors: ValueError, or TypeError for what is no whole number."""
-    trials, seed = index(trials), index(seed)
-    philox.seed_words(seed)
-    if not 1 <= trials <= MOST_TRIALS:
-        raise ValueError(f"trials: {trials} is not possible; use 1 to {MOST_TRIALS:,}")
-    return trials, seed
-
-
-def _run(
+def run(
     scenarios: list[Scenario],
     count: int,
     seed: int,
@@ -182,6 +110,10 @@ def _run(
     counts: tuple[int, int, int] | None = None,
     finished: Finished | None = None,
 ) -> list[Results]:
+    """Run trials 0 to count - 1 of scenarios of one frame to their ends; see engine/run.py.
+
+    counts: most prey, predators and obstacles of any trial, the scenarios' own when None.
+    """
     _check_live(scenarios)
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
@@ -223,14 +155,14 @@ def _live_paths(scenario: Scenario) -> list[str]:
     return [f"predators.weights.{name}" for name in found if name]
 
 
-def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
+def check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: int) -> tuple[int, int, int]:
     """Check numbers of single trials against the scenario's own bounds; give the most prey, predators and obstacles."""
     known = list(scenario.numbers())
     settled = differing(scenario)
     arrays = {}
     for path, values in weights.items():
         if path not in known:
-            raise ScenarioError(f"weights: unknown key '{path}'; {registry.nearest(path, known)}")
+            raise ScenarioError(f"weights: unknown key '{path}'; {did_you_mean(path, known)}")
         if path not in settled:
             raise ScenarioError(f"weights: {path} is the same for all trials of a batch; set it in the scenario")
         array = np.asarray(values, np.float64)
@@ -242,7 +174,7 @@ def _check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count:
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array
-        if _other_end(path) is None:
+        if other_end(path) is None:
             for end in (array.min(), array.max()):
                 scenario.replaced({path: int(end) if whole else float(end)})
     _check_ends(scenario, arrays)
@@ -260,7 +192,7 @@ def differing(scenario: Scenario) -> set[str]:
     return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
 
 
-def _other_end(path: str) -> str | None:
+def other_end(path: str) -> str | None:
     """Give the key of the other end of a range: "obstacles.radius.0" for "obstacles.radius.1"; None for no end of a range."""
     names = path.split(".")
     for at, name in enumerate(names[:-1]):
@@ -274,7 +206,7 @@ def _check_ends(scenario: Scenario, arrays: Mapping[str, np.ndarray]) -> None:
     """Raise ScenarioError where a range of a single trial runs from a larger to a smaller number."""
     numbers = scenario.numbers()
     for path in arrays:
-        other = _other_end(path)
+        other = other_end(path)
         if other is not None:
             low, high = sorted((path, other))
             below, above = (arrays.get(end, numbers[end]) for end in (low, high))

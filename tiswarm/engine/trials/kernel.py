@@ -1,11 +1,10 @@
 """Kernel: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics import contact, spawn, views
+from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import (
     AGE,
     ALIVE_COUNT,
@@ -23,10 +22,10 @@ from tiswarm.dynamics.table import (
     Layout,
     Structure,
 )
-from tiswarm.engine.trials import tick
+from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.runtime import LANES, TASK, Types
 
 OUTCOMES = {
     "alive": ALIVE_COUNT,
@@ -45,12 +44,12 @@ def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
     return runtime.kept(("trials", structure), lambda: _build(structure, runtime.types()))
 
 
-def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, tuple[int, int]]:
+def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, int]]:
     layout = Layout(structure, types.lanes)
     see = views.build(layout, types)
     starts = spawn.build(layout, types)
-    judge = contact.build(layout, types, see).judge
-    moves_of = tick.build(layout, types, see, starts.uniform)
+    meetings = contacts.build(layout, types, see)
+    moves_of = tick.build(layout, types, see, starts.uniform, meetings.bounce)
     measures = running.build(layout, types, see)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
@@ -138,7 +137,7 @@ def _build(structure: Structure, types: SimpleNamespace) -> tuple[Any, Layout, t
                     if clock[b, ON].max() < 0.5:
                         running = 0
                     else:
-                        judge(prey, predators, obstacles, numbers, clock, b, counts)
+                        meetings.judge(prey, predators, obstacles, numbers, clock, b, counts)
                         measures.measure(prey, numbers, clock, sums, ground, b, counts)
                         if left == 0:
                             running = 0

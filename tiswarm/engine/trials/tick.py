@@ -1,15 +1,25 @@
 """Tick: one tick of the motion of a block's trials; all agents of a kind read one snapshot."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import taichi as ti
 
 from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.table import AGE, TICK, TRIAL, Layout
+from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import Together, anywhere
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Moves:
+    """One tick's motion of a block."""
+
+    move_prey: Func  # move all prey (steering.py)
+    move_predators: Func  # move all predators (steering.py)
+
+
+def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes, integers = types.lanes, types.integer_lanes
     at, rows = layout.at, layout.rows
@@ -79,7 +89,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         for i in range(counts[0]):
             steps.prey.commit(prey, (b * counts[0] + i) * prey_rows, numbers, b)
         if ti.static(frame.contact == "bounce"):
-            steps.bounce(prey, numbers, b, counts[0])
+            bounce(prey, numbers, b, counts[0])
         if ti.static(driven.remembers):
             remember(prey, numbers, b, counts[0])
 
@@ -118,4 +128,4 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace, uniform)
         for i in range(counts[1]):
             steps.predators.commit(predators, (b * counts[1] + i) * predator_rows, numbers, b)
 
-    return SimpleNamespace(move_prey=move_prey, move_predators=move_predators)
+    return Moves(move_prey=move_prey, move_predators=move_predators)

@@ -6,15 +6,10 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics.table import AGE, DONE
-from tiswarm.engine.choice import by_grid
-from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.trials.batch import Blocks
-from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import FATES, Recording
-from tiswarm.records.recording import Swarm as Path
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
-from tiswarm.strategies import registry
 
 
 class Single:
@@ -26,22 +21,19 @@ class Single:
         if not 0 <= trial < 1 << 31:
             raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
         if start is not None:
-            counts = (len(start.prey_position), len(start.predator_position), len(start.obstacle_radius))
-            paths = ("prey.count", "predators.count", "obstacles.count")
-            scenario = scenario.replaced(dict(zip(paths, counts, strict=True)))
+            scenario = start.applied(scenario)
         self.scenario = scenario
         self.seed = seed
         self._blocks = Blocks([scenario], 1)
         surveying = self._blocks.layout.parts("predators", "strategy", "survey")
         self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
+        self._trial = trial
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
         self._results, self._measured = self._blocks.outcomes(1)
         self._advance(0)
         if start is not None:
-            if start.dim != scenario.world.dim:
-                raise ValueError(f"start: positions have {start.dim} numbers, world.size has {scenario.world.dim}; use as many")
             self._obstacles()[:] = np.vstack([start.obstacle_position.T, start.obstacle_radius])
             self.place("prey", start.prey_position, start.prey_velocity)
             self.place("predators", start.predator_position, start.predator_velocity)
@@ -51,15 +43,12 @@ class Single:
 
     def step(self, ticks: int = 1) -> None:
         """Run so many ticks, fewer when the trial ends before."""
-        if self.ended:  # the kernel would take the lane for a free one
-            return
-        if not self._live:
-            self._advance(ticks)
-            return
         for _ in range(ticks):
-            if not self.ended:
+            if self.ended:  # the kernel would take the lane for a free one
+                return
+            if self._live:
                 self._consult()
-                self._advance(1)
+            self._advance(1)
 
     def _consult(self) -> None:
         """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
@@ -71,8 +60,10 @@ class Single:
         position[~here] = np.nan
         for each, kept in zip(arrays, before, strict=True):
             each[...] = kept
+        predators, key = self._agents("predators"), (self.seed, self._trial, self.age)
         for part in self._live:
-            part.strategy.consult(self._board(part), position, self.scenario.predators.weights)
+            memory = {name: predators[row] for name, row in zip(part.memory, part.memory_rows, strict=True)}
+            part.strategy.consult(self._board(part), memory, position, self.scenario.predators.weights, key)
 
     def _board(self, part: Any) -> np.ndarray:
         """Give a view of what a predator strategy's survey wrote in lane 0: [row]."""
@@ -82,7 +73,7 @@ class Single:
     def groups(self, kind: str) -> np.ndarray | None:
         """Give the sub-swarms of the last move, [agent], -1 for none; None when predators do not split up."""
         for part in self._blocks.layout.parts("predators", "strategy", "survey"):
-            if self.ticks == 0:
+            if self.age == 0:
                 return np.full(getattr(self.scenario, kind).count, -1)
             if kind == "predators":
                 found = part.strategy.groups(self.memory(kind)[part.part.name])
@@ -98,7 +89,7 @@ class Single:
         return bool(self._blocks.clock[0, DONE, 0] > 0.5)
 
     @property
-    def ticks(self) -> int:
+    def age(self) -> int:
         """Count the ticks run."""
         return int(self._blocks.clock[0, AGE, 0])
 
@@ -149,6 +140,13 @@ class Single:
         rows = self._obstacles().astype(np.float64)
         return rows[:-1].T.copy(), rows[-1].copy()
 
+    def renumber(self, scenario: Scenario) -> None:
+        """Take over the numbers of a scenario of the same structure and counts; they judge the state of now."""
+        self.scenario = scenario
+        self._table[:] = self._blocks.layout.table([scenario])
+        self._blocks.numbers[:, 0] = self._table[0]
+        self._advance(0)
+
     def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:
         """Put agents somewhere, their memory untouched; NaN in a position means gone."""
         rows = self._agents(kind)
@@ -157,38 +155,6 @@ class Single:
         for row, values in zip([*self._rows.place, *self._rows.motion], np.hstack([position, velocity]).T, strict=True):
             rows[row] = np.where(here, values, rows[row])
         self._advance(0)  # the fields at the new places
-
-
-def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None) -> Recording:
-    """Run one trial and keep its path: the same bits as in a batch of any size.
-
-    start: an explicit start state; counts then come from it, not from the scenario.
-    """
-    if by_grid(scenario):
-        return Swarm(scenario, seed, 1, trial, start).record()
-    single = Single(scenario, seed, trial, start)
-    rows: dict[str, list[Any]] = {"prey": [], "predators": []}
-
-    def note() -> None:
-        for kind, kept in rows.items():
-            kept.append((single.position(kind), single.velocity(kind), single.memory(kind), single.groups(kind)))
-
-    note()
-    while not single.ended:
-        single.step()
-        note()
-    positions = {kind: np.stack([row[0] for row in kept]) for kind, kept in rows.items()}
-    swarms = {}
-    kind: registry.Kind
-    for kind, other in (("prey", "predators"), ("predators", "prey")):
-        position = positions[kind]
-        velocity = np.stack([row[1] for row in rows[kind]])
-        both = zip(position, positions[other], rows[kind], strict=True)
-        state = np.stack([named(single.scenario, kind, own, others, row[2]) for own, others, row in both])
-        group = _groups(single.scenario, kind, position, [row[3] for row in rows[kind]])
-        swarms[kind] = Path(position, velocity, single.fate(kind), state, group)
-    centres, radii = single.obstacles()
-    return Recording(single.scenario, seed, trial, swarms["prey"], swarms["predators"], centres, radii)
 
 
 def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarray]:
@@ -211,10 +177,3 @@ def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarra
     away = np.linalg.norm(points[:, None] - recording.obstacle_position, axis=2)
     pull[(away < recording.obstacle_radius).any(axis=1)] = 0  # nobody is there to feel it
     return points, pull
-
-
-def _groups(scenario: Scenario, kind: registry.Kind, position: np.ndarray, surveyed: list[Any]) -> np.ndarray:
-    """Give each agent's sub-swarm in each row, -1 for none: as predators survey it, else as prey split up themselves."""
-    if surveyed[0] is not None:
-        return np.stack(surveyed).astype(np.int32)
-    return np.broadcast_to(grouped(scenario, kind, position.shape[1]), position.shape[:2]).copy()

@@ -1,10 +1,12 @@
 """Exact: the best of all ways to split up to eight points into k clusters, by dynamic programming over their subsets."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.simd.lanes import dot, smaller
+from tiswarm.simd.runtime import Func, Types
 
 FEW = 8
 """Points for which all partitions are compared: 3⁷/2 pairs of subsets for each k."""
@@ -15,7 +17,15 @@ IMPOSSIBLE = 1e30
 """Inertia of a set that has fewer points than clusters [m²]; beyond that of any swarm within the world's limits."""
 
 
-def build(types: SimpleNamespace, dim: int, at: SimpleNamespace) -> SimpleNamespace:
+@dataclass(frozen=True)
+class ExactSearch:
+    """Funcs of the search over subsets."""
+
+    compare: Func  # find the least inertia of each subset that matters, in k = 1 to `most` clusters
+    trace: Func
+
+
+def build(types: Types, dim: int, at: Any) -> ExactSearch:
     """Build `compare` and `trace`, which work on rows of a board that begin at row r.
 
     at: the rows of slots (point * dim), slot_label (point), reach (subset) and best (k - 1, subset). A subset is a whole number
@@ -96,4 +106,4 @@ def build(types: SimpleNamespace, dim: int, at: SimpleNamespace) -> SimpleNamesp
             k -= 1
         label(board, r, lane, s, 0)
 
-    return SimpleNamespace(compare=compare, trace=trace)
+    return ExactSearch(compare=compare, trace=trace)

@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.simd.lanes import anywhere, larger, smaller
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Types
 from tiswarm.strategies.clustering import exact, search
 from tiswarm.strategies.clustering.exact import FEW, SUBSETS
 
@@ -37,12 +37,12 @@ def board_rows(dim: int) -> SimpleNamespace:
     }
     begins = np.cumsum([0, *sizes.values()]).tolist()
     at = SimpleNamespace(**dict(zip([*sizes, "points"], begins, strict=True)), fixed=begins[-1])
-    at.label, at.alive, at.draft, at.weight, at.place, at.kept = 0, 1, 2, 3, 4, 4 + dim
+    at.label, at.alive, at.draft, at.weight, at.drawn, at.place, at.kept = 0, 1, 2, 3, 4, 5, 5 + dim
     at.each = at.kept + MOST
     return at
 
 
-def build(layout, types: SimpleNamespace, uniform):
+def build(layout, types: Types, uniform):
     """Build `cluster`, which works on rows of a board that begin at row r, for the n prey that begin at row a.
 
     layout: the rows of prey and of a block's whole numbers (`layout.Layout`).

@@ -1,11 +1,13 @@
 """Search: K-means of many points in lanes: several starts each, then single points change clusters while that helps."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import anywhere, dot, larger
+from tiswarm.simd.runtime import Func, Types
 
 SWEEPS = 64
 """Most rounds over all points from one start; most settle in five."""
@@ -17,7 +19,14 @@ BEYOND = 1e30
 """More than any squared distance within the world's limits [m²]."""
 
 
-def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, uniform) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Search:
+    """The search for many points."""
+
+    search: Func
+
+
+def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
     """Build `search`, which works on rows of a board that begin at row r.
 
     most: clusters that there may be. at: the first rows of middle, base and best_middle (cluster * dim), size, leave and join
@@ -191,4 +200,4 @@ def build(types: SimpleNamespace, dim: int, most: int, at: SimpleNamespace, unif
                     allowed = ti.select(restarts > ti.cast(attempt - n, types.real) + 0.5, 1.0, 0.0)
                 keep_better(board, r, n, k, allowed)
 
-    return SimpleNamespace(search=search)
+    return Search(search=search)

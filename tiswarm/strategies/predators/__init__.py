@@ -19,6 +19,7 @@ class Predator:
     memory: names of numbers that a predator keeps between ticks, all 0 at the start, for `survey` to set; "way*" as above.
     shown: those of them that it and its mates see as numbers of `me` and `mate`.
     whole: weights that are whole numbers, with the least and the largest that may be.
+    needed: weights that, when not 0, need another one to be a certain word: name -> (name, word).
     live: the weight that, when not 0, lets `consult` do on the host what `survey` does in kernels: single trials only.
     flocks: whether the scenario's separation, cohesion and alignment act.
     rules: whether `pursue` gives the velocity itself, so that nothing else adds to it.
@@ -30,6 +31,7 @@ class Predator:
     memory: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     whole: Mapping[str, tuple[int, int]] = MappingProxyType({})
+    needed: Mapping[str, tuple[str, str]] = MappingProxyType({})
     live: str = ""
     flocks: bool = True
     rules: bool = False
@@ -70,8 +72,11 @@ class Predator:
         """
 
     @staticmethod
-    def consult(board, position, weights):
-        """Write into one trial's board, on the host, what `survey` would. position: [prey, dim], m, NaN for the gone."""
+    def consult(board, memory, position, weights, key):
+        """Write into one trial's board and its predators' memory, on the host, what `survey` would.
+
+        memory: name -> [predator]; position: [prey, dim], m, NaN for the gone; key: whole numbers to draw by, others each tick.
+        """
 
     @staticmethod
     @ti.func

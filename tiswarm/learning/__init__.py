@@ -1,0 +1,1 @@
+"""Learning: numbers of a scenario found by search, and held against trials that no search saw."""

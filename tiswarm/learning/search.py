@@ -1,0 +1,50 @@
+"""Search: CMA-ES in the unit cube by the library `cmaes`; large scores are good."""
+
+import importlib.util
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+SIGMA = 0.25
+"""First step, of the width of a range: two standard deviations reach from the middle to an end."""
+
+
+def check_cmaes() -> None:
+    """Raise ValueError unless the search's library is there."""
+    if importlib.util.find_spec("cmaes") is None:
+        raise ValueError("tune: cmaes is not installed; pip install 'tiswarm[tune]'")
+
+
+class Search:
+    """Asks for candidates and is told their scores; what it asks for depends on its seed and on what it was told alone."""
+
+    def __init__(self, start: np.ndarray, candidates: int, seed: Sequence[int], steps: np.ndarray) -> None:
+        """Begin at a place in the unit cube: [range]; steps: [range], between whole numbers, 0 for real ones."""
+        from cmaes import CMA, CMAwM
+
+        bounds = np.tile([0.0, 1.0], (len(start), 1))
+        word = int(np.random.SeedSequence(seed).generate_state(1)[0])
+        self._whole = bool((steps > 0).any())
+        given: dict[str, Any] = {"bounds": bounds, "seed": word, "population_size": candidates}
+        self._cma: Any = CMAwM(start, SIGMA, steps=steps, **given) if self._whole else CMA(start, SIGMA, **given)
+        self._told: list[np.ndarray] = []
+        self.candidates = candidates
+
+    def ask(self) -> np.ndarray:
+        """Give the candidates of the next generation: [candidate, range], each number from 0 to 1."""
+        if not self._whole:
+            self._told = [self._cma.ask() for _ in range(self.candidates)]
+            return np.stack(self._told)
+        both = [self._cma.ask() for _ in range(self.candidates)]
+        self._told = [told for _, told in both]
+        return np.stack([shown for shown, _ in both])
+
+    def tell(self, scores: np.ndarray) -> None:
+        """Rank the candidates of the last `ask`: [candidate]."""
+        self._cma.tell([(each, -float(score)) for each, score in zip(self._told, scores, strict=True)])
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Give the mean of the distribution, inside the cube: [range]."""
+        return np.clip(self._cma.mean, 0.0, 1.0)

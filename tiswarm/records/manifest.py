@@ -1,0 +1,37 @@
+"""Manifest: what made a result: version, precision, machine; so that it can be made again."""
+
+import json
+import platform
+from pathlib import Path
+from typing import Any
+
+from tiswarm.simd.runtime import Settings
+from tiswarm.version import __version__
+
+
+def manifest(settings: Settings, **told: Any) -> str:
+    """Write down what made a result, so that it can be made again."""
+    import taichi as ti
+
+    machine = {
+        "processor": processor(),
+        "threads": settings.threads,
+        "system": platform.platform(),
+        "python": platform.python_version(),
+    }
+    about = {
+        "tiswarm": __version__,
+        "taichi": ".".join(map(str, ti.__version__)),
+        "precision": settings.precision,
+        "machine": machine,
+    }
+    return json.dumps({**about, **told}, indent=2) + "\n"
+
+
+def processor() -> str:
+    """Name the processor as its maker does, or as Python knows it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
