@@ -9,6 +9,7 @@ import numpy as np
 
 from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import Layout
+from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
 from tiswarm.engine.swarms import contacts, initial, kernels, near_cells, transfer
 from tiswarm.scenario.model import Scenario
@@ -281,7 +282,18 @@ class Crowds:
                 self._cull("predators")
         over = (self.counts[:, ALIVE] == 0) | (self.age >= self.ticks)
         self.ended_at[over & ~self.ended] = min(self.age, self.ticks)
+        for trial in np.flatnonzero(over & ~self.ended):
+            self._check_finite(int(trial))
         self.ended |= over
+
+    def _check_finite(self, trial: int) -> None:
+        """Raise NotFiniteError if anybody of a trial that ends is nowhere."""
+        for kind in ("prey", "predators"):
+            grid = self._crowds[kind].grid
+            own = slice(trial * grid.slots, trial * grid.slots + int(grid.alive()[trial]))
+            state = np.full((grid.slots, 2 * self.scenario.world.dim), 0.0)
+            state[grid.numbers[trial, : own.stop - own.start]] = grid.agents[own, : state.shape[1]]
+            finite.check(self.scenario, self.trial + trial, self.age, kind, state, np.ones(len(state), bool))
 
     def _cull(self, kind: str) -> None:
         crowd = self._crowds[kind]
