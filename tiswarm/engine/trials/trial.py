@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics.table import AGE, DONE
+from tiswarm.engine import finite
 from tiswarm.engine.trials.batch import Blocks
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.scenario.model import Scenario
@@ -49,6 +50,10 @@ class Single:
             if self._live:
                 self._consult()
             self._advance(1)
+            for kind in ("prey", "predators"):
+                rows, own = self._agents(kind), self._rows
+                alive = rows[own.alive] > 0.5
+                finite.check(self.scenario, self._trial, self.age, kind, rows[[*own.place, *own.motion]].T, alive)
 
     def _consult(self) -> None:
         """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
