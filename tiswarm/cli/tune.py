@@ -40,6 +40,10 @@ def tune(
         str | None,
         typer.Option("--minimise", metavar="MEASURE", help="A measure to make small instead: success for predators."),
     ] = None,
+    network: Annotated[
+        str,
+        typer.Option("--network", metavar="SIDE", help="Train the network of the prey or the predators."),
+    ] = "",
     also: Annotated[
         list[str] | None,
         typer.Option("--also", metavar="PRESET", help="Count this scenario, too, with the same --set; repeat for more."),
@@ -75,10 +79,10 @@ def tune(
 
     if maximise is not None and minimise is not None:
         raise WrongInput("--maximise, --minimise: use one of them")
-    if not over:
+    if not over and not network:
         raise WrongInput("tune: nothing to change; name a key, for example --over prey.weights.evade=0:0.1")
-    ranges = dict(keys.read(each) for each in over)
-    if len(ranges) < len(over):
+    ranges = dict(keys.read(each) for each in over or [])
+    if len(ranges) < len(over or []):
         raise WrongInput("--over: a key is named twice; give it one range")
     objective = negated(minimise) if minimise is not None else maximise or "success"
     start(seed, threads, precision, strategy_path)
@@ -98,6 +102,7 @@ def tune(
             seed,
             folder,
             fresh,
+            network,
             report,
             finished,
         )

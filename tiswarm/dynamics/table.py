@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from tiswarm.dynamics import terms
+from tiswarm.dynamics import network_columns, terms
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Shape
 from tiswarm.space import box
 from tiswarm.strategies import registry
 
@@ -31,7 +32,7 @@ _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohe
 class Part:
     """One strategy or avoidance whose code a kernel holds.
 
-    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell.
+    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell; shape: of its network.
     """
 
     kind: registry.Side
@@ -39,6 +40,7 @@ class Part:
     catalogue: registry.Kind
     name: str
     mixed: bool
+    shape: Shape | None = None
 
     @property
     def strategy(self) -> Any:
@@ -124,7 +126,10 @@ class Structure:
                 continue
             chosen = [registry.parts(catalogue, name) for *_, name in same]
             for name in sorted(set().union(*chosen)):
-                parts.append(Part(kind, role, catalogue, name, mixed=not all(name in each for each in chosen)))
+                mixed = not all(name in each for each in chosen)
+                users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
+                shape = network_columns.shape_of(users, kind) if role == "strategy" else None
+                parts.append(Part(kind, role, catalogue, name, mixed, shape))
         return cls(frames.pop(), tuple(parts), hunted, terms)
 
 
@@ -224,27 +229,33 @@ class Layout:
 
     def _add(self, part: Part, lanes: Any) -> None:
         strategy = part.strategy
-        weights = [field.name for field in fields(strategy.Weights)]
+        weights = _numbers_of(strategy)
         derived = list(strategy.derived({name: np.zeros(1) for name in weights}))
         names = ["on", *weights, *derived]
         memory = self._names(getattr(strategy, "memory", ()))
         notes = self._names(strategy.notes) or ["nothing"]
         row = self.agent_rows[part.kind]
-        self.agent_rows[part.kind] += len(memory)
+        scratch = row + len(memory)
+        self.agent_rows[part.kind] = scratch + (part.shape.scratch if part.shape else 0)
         board = SimpleNamespace(**vars(self.board))  # where its own rows begin
         if part.kind == "predators" and part.role == "strategy":
             fixed, each = strategy.board_rows(len(self.axes))
             self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
+        columns = [self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names]
+        network = len(self.paths)
+        self.paths += network_columns.paths_of(part.kind, part.name, part.shape)
         self._parts.append(
             SimpleNamespace(
                 part=part,
                 strategy=strategy,
                 own=[hook for hook in vars(_base_of(strategy)) if _overrides(strategy, hook)],
                 names=names,
-                columns=[self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names],
+                columns=columns,
                 memory=memory,
                 memory_rows=list(range(row, row + len(memory))),
                 board=board,
+                scratch=scratch,
+                network=network,
                 Weights=ti.types.struct(**dict.fromkeys(names, lanes)),
                 Memory=ti.types.struct(**dict.fromkeys(memory or ["nothing"], lanes)),
                 note_names=notes,
@@ -275,13 +286,20 @@ class Layout:
             if name in self._names(getattr(each.strategy, "shown", ()))
         }
 
-    def table(self, scenarios: Sequence[Scenario], weights: Mapping[str, np.ndarray] | None = None) -> np.ndarray:
+    def table(
+        self,
+        scenarios: Sequence[Scenario],
+        weights: Mapping[str, np.ndarray] | None = None,
+        networks: Mapping[str, np.ndarray] | None = None,
+    ) -> np.ndarray:
         """Lay the numbers of scenarios out, one row each: [row, column], float64.
 
-        weights: path -> [trial], numbers that differ from trial to trial; then one scenario gives as many rows as trials.
+        weights: path -> [row], numbers that differ from row to row; then one scenario gives as many rows. networks: prey or
+        predators -> [row, weight], networks that differ so.
         """
         every = [scenario.numbers() for scenario in scenarios]
-        rows = len(next(iter(weights.values()))) if weights else len(every)
+        differing = [*(weights or {}).values(), *(networks or {}).values()]
+        rows = len(differing[0]) if differing else len(every)
 
         def numbers(path: str) -> np.ndarray:
             if weights and path in weights:
@@ -292,12 +310,19 @@ class Layout:
         columns = {path: numbers(path) for path in self.paths if ":" not in path}
         for each in self._parts:
             part = each.part
-            own = {field.name: numbers(f"{part.kind}.weights.{field.name}") for field in fields(each.strategy.Weights)}
+            own = {name: numbers(f"{part.kind}.weights.{name}") for name in _numbers_of(each.strategy)}
             names = [getattr(getattr(scenario, part.kind), part.role) for scenario in scenarios]
             on = np.array([float(part.name in registry.parts(part.catalogue, name)) for name in names])
             own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
             columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
+            if part.shape is not None:
+                columns |= network_columns.columns_of(part.kind, part.name, part.shape, scenarios, networks)
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
+
+
+def _numbers_of(strategy: Any) -> list[str]:
+    """List the weights of a strategy but the name of its network's file."""
+    return [field.name for field in fields(strategy.Weights) if field.type is not str]
 
 
 def _base_of(strategy: type) -> type:

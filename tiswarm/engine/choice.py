@@ -66,14 +66,16 @@ def check(scenario: Scenario) -> None:
 
 def _refused(scenario: Scenario) -> str:
     """Name the first key that only comparing all pairs can do, or nothing."""
-    world, predators = scenario.world, scenario.predators
+    world, prey, predators = scenario.world, scenario.prey, scenario.predators
     hunters = registry.parts("predators", predators.strategy) if predators.count else ()
     refused = {
         "world.contact": world.contact == "bounce",
         "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
         "measures.names": bool(scenario.measures.names),
         "coverage.cell": scenario.coverage.cell > 0,
-        "predators.strategy": any("survey" in vars(registry.load("predators", name)) for name in hunters),
+        "prey.strategy": any(registry.load("prey", name).networked for name in registry.parts("prey", prey.strategy)),
+        "predators.strategy": any(registry.load("predators", name).networked for name in hunters)
+        or any("survey" in vars(registry.load("predators", name)) for name in hunters),
     }
     return next((path for path, impossible in refused.items() if impossible), "")
 

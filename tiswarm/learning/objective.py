@@ -107,9 +107,12 @@ class Evaluation:
         self._worlds = [Candidates(scenario, bounds) for scenario in arm.scenarios]
 
     def outcomes(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
-        """Give the objective: [scenario, candidate, trial]. values: [candidate, range]; trials: [trial], their numbers."""
+        """Give the objective: [scenario, candidate, trial]. values: [candidate, coordinate]; trials: [trial], their numbers."""
         shape = (len(values), len(trials))
-        return np.stack([self._objective.of(world.run(values, trials, self._seed)).reshape(shape) for world in self._worlds])
+        numbers, weights = np.split(values, [len(self.arm.ranges)], axis=1)
+        networks = {self.arm.side: weights} if self.arm.side else None
+        results = [world.run(numbers, trials, self._seed, networks) for world in self._worlds]
+        return np.stack([self._objective.of(each).reshape(shape) for each in results])
 
     def scores(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
         """Give what candidates are ranked by: [candidate], -inf for one without a value in some scenario."""

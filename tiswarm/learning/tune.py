@@ -26,6 +26,7 @@ from tiswarm.learning.store import Store
 from tiswarm.learning.tuned import Check, Generation, Tuned, validated
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Network
 from tiswarm.scenario.presets import load
 from tiswarm.simd.philox import seed_words
 from tiswarm.system.progress import reporting
@@ -69,7 +70,7 @@ class Budget:
 
 def tune(
     scenario: Subject | Sequence[Subject],
-    over: Mapping[str, Any],
+    over: Mapping[str, Any] | None = None,
     budget: int = 1_280_000,
     objective: str = "success",
     across: Across = "mean",
@@ -80,6 +81,7 @@ def tune(
     seed: int = 0,
     folder: str | os.PathLike | None = None,
     fresh: bool = False,
+    network: str = "",
     progress: bool | Callable[[int, int], None] = False,
     finished: Finished | None = None,
 ) -> Tuned:
@@ -91,6 +93,7 @@ def tune(
     trials, each generation new ones. checks: trials that tell which generation was best; validation: trials that neither search
     nor checks saw, on which alone start and result are compared.
     folder: where generations are kept, and taken from when the same tuning was cut short before; None keeps nothing.
+    network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
     fresh: throw away what the folder holds. finished: called with each generation.
 
     Errors: ScenarioError for what cannot be; ValueError when the folder holds another tuning or cmaes is missing.
@@ -106,15 +109,18 @@ def tune(
     spent = Budget(budget, candidates, trials, checks, validation)
     spent.check()
     aim = Objective.read(objective)
-    over = dict(sorted(over.items()))  # so that no bit depends on their order
-    found = arms(scenarios, over)
+    over = dict(sorted((over or {}).items()))  # so that no bit depends on their order
+    found = arms(scenarios, over, network)
+    if network and folder is None:
+        raise ScenarioError("tune: a network is written to a file; name a folder for it")
     check_cmaes()
-    shares = rounds(len(found), spent.generations) if any(arm.ranges for arm in found) else [Round(len(found), 1)]
+    shares = rounds(len(found), spent.generations) if network or any(arm.ranges for arm in found) else [Round(len(found), 1)]
     store = None
     if folder is not None:
         told = {
             "tune": {path: list(each) for path, each in over.items()},
             "objective": {"maximise": str(aim), "across": across},
+            "network": network,
             "seed": seed,
             "budget": asdict(spent),
             "scenario_hash": [each.hash() for each in scenarios],
@@ -154,17 +160,21 @@ class _Run:
         self._start = Evaluation(Arm((), tuple(scenarios), ()), objective, across, seed)
         self._worlds = [Evaluation(arm, objective, across, seed) for arm in found]
         self._searches = [
-            Search(arm.start, budget.candidates, (seed, k), np.array([each.step for each in arm.ranges]))
-            if arm.ranges
+            Search(arm.start, budget.candidates, (seed, k), np.array([each.step for each in arm.ranges], np.float64))
+            if arm.ranges or arm.side
             else None
             for k, arm in enumerate(found)
         ]
         self._check_every = max(budget.generations // CHECKS, 1)
 
     def tuned(self, best: Check) -> tuple[Scenario, ...]:
-        """Give the scenarios that a check looked at."""
+        """Give the scenarios that a check looked at; a trained network is written."""
         arm = self._start.arm if best.arm < 0 else self._arms[best.arm]
-        return arm.tuned(best.values)
+        file = ""
+        if arm.network is not None and self._store:
+            weights = best.values[len(arm.ranges) :]
+            file = str(Network(arm.network.shape, weights).save(self._store.folder / "network.npz"))
+        return arm.tuned(best.values, file)
 
     def search(
         self, shares: Sequence[Round], progress: bool | Callable[[int, int], None], finished: Finished | None

@@ -35,6 +35,7 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
         if box.bounded(scenario.world.boundary) and agents.count:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
+        scenario.network(kind)
     _check_measures(scenario)
 
 

@@ -26,8 +26,20 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
     name = os.fspath(preset)
     file = find(name)
     known = {path: each for each, path in presets().items()}
-    scenario = validated({**_table(name), "preset": known.get(file, file.name)})
+    scenario = validated({**_beside(_table(name), file.parent), "preset": known.get(file, file.name)})
     return scenario.replaced(overrides) if overrides else scenario
+
+
+def _beside(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Let networks that lie beside a preset be found from anywhere."""
+    out = dict(table)
+    for kind in ("prey", "predators"):
+        agents = out.get(kind)
+        weights = agents.get("weights") if isinstance(agents, dict) else None
+        name = weights.get("network") if isinstance(weights, dict) else None
+        if isinstance(name, str) and not Path(name).is_absolute() and (folder / name).is_file():
+            out[kind] = {**agents, "weights": {**weights, "network": str(folder / name)}}  # type: ignore[dict-item]
+    return out
 
 
 def _table(preset: str, above: tuple[str, ...] = ()) -> dict[str, Any]:
