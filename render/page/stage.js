@@ -141,6 +141,7 @@ export class Stage {
       const there = this.labels.children[n] ?? this.labels.appendChild(document.createElement("span"));
       const label = /** @type {HTMLElement} */ (there);
       if (label.textContent !== words) label.textContent = words;
+      label.dir = "auto";
       label.className = kind;
       label.style.color = hue;
       label.style.transform = `translate(${x / ratio}px, ${y / ratio}px)`;
