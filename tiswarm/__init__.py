@@ -4,9 +4,11 @@ import importlib
 import os
 from typing import TYPE_CHECKING, Any
 
+from tiswarm.simd.kernel_cache import ensure_home
 from tiswarm.version import __version__
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")
+ensure_home()
 
 _HOMES = {
     "init": "simd.runtime",

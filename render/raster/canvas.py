@@ -9,7 +9,7 @@ from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
 from render.raster.painter import PLANES
 from render.raster.shapes import COLUMNS, Colour
 from render.raster.tiles import HEAD
-from tiswarm.simd import runtime
+from tiswarm.simd import launch, runtime
 
 
 class Canvas:
@@ -80,7 +80,8 @@ class Canvas:
             room = len(self._bins) - HEAD - self._tiles - 1
             self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
             numbers = self._lanes.reshape(-1)
-            paint(
+            launch.run(
+                paint,
                 rows,
                 edges,
                 self._atlas.ink,

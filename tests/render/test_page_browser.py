@@ -9,6 +9,7 @@ import pytest
 
 import render
 import tiswarm
+from render.scene.trajectories import Motion
 from render.theme import DARK, LIGHT
 
 NASTY = "<script>window.hacked = 1</script><img src=x onerror=hacked=1>\"' &amp; </script> \u202eאבג " + "x" * 5000
@@ -198,6 +199,21 @@ def test_terms_add_up_to_the_change_of_velocity(browser, termed, tmp_path, exact
     assert np.allclose(told["goal"], [0.25, -0.125], atol=1e-4)
     assert np.allclose(np.add(told["goal"], told["separation"]), told["sum"], atol=2e-4)
     assert np.allclose(told["sum"], change, atol=2e-4)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_agents_go_the_way_that_films_show(browser, make, tmp_path, dim):
+    recording = make(
+        dim=dim, prey_ends={0: (3, "captured"), 1: (4, "crashed"), 2: (5, "arrived")}, predator_ends={0: (3, "captured")}
+    )
+    browser.open(render.replay(recording, tmp_path / "chase.html", exact=True))
+    paths = Motion([recording])
+    for time in (0, 0.25, 2.5, 2.99, 3.5, 4.75, 8, 9):
+        script = "const {paths} = tiswarm.stage.scenes[0]; paths.load(arguments[0]); return [[...paths.spot], [...paths.slope]]"
+        spots, slopes = (np.reshape(each, (-1, dim)) for each in browser.run(script, time))
+        assert np.allclose(spots, paths.spots(time), atol=1e-4), time
+        going = np.flatnonzero(time < paths.end)
+        assert np.allclose(slopes[going], paths.speeds(time, going), atol=1e-4), time
 
 
 def test_events_are_counted_and_marked(browser, chase, tmp_path):

@@ -237,7 +237,7 @@ def test_a_lock_makes_no_folder_that_stays_empty_and_may_be_taken_once_more(tmp_
 
 def test_one_changed_byte_of_a_kernel_changes_the_codes_hash(ran, tmp_path, monkeypatch):
     study = load_study(str(ran[0]))
-    found = cells(str(ran[0]), study, 0)
+    found = [cell.scenario for cell in cells(str(ran[0]), study, 0)]
     root = Path(store.__file__).parents[1]
     copy = tmp_path / "tiswarm"
     shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))

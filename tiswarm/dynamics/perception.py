@@ -21,11 +21,6 @@ def watching(layout: Layout) -> bool:
     return layout.structure.hunted and any(p.strategy.watches for p in layout.parts("prey", "strategy"))
 
 
-def flocking(layout: Layout, kind: str) -> bool:
-    """Tell whether separation, cohesion and alignment act on agents of a kind in any trial."""
-    return all(p.strategy.flocks or p.part.mixed for p in layout.parts(kind, "strategy"))
-
-
 @dataclass(frozen=True)
 class SightTerms:
     """What one kind of agents makes of its mates."""

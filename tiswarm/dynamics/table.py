@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from tiswarm.dynamics import network_columns
+from tiswarm.dynamics import network_columns, terms
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
@@ -98,15 +98,16 @@ class Frame:
 class Structure:
     """What selects a kernel's code: two batches with equal structures share one kernel.
 
-    hunted: whether there are predators at all.
+    hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
     """
 
     frame: Frame
     parts: tuple[Part, ...]
     hunted: bool
+    terms: bool = False
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario], predator_count: int) -> "Structure":
+    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Structure":
         """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
 
         Errors: ScenarioError when their worlds are of different kinds.
@@ -129,7 +130,7 @@ class Structure:
                 users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
                 shape = network_columns.shape_of(users, kind) if role == "strategy" else None
                 parts.append(Part(kind, role, catalogue, name, mixed, shape))
-        return cls(frames.pop(), tuple(parts), hunted)
+        return cls(frames.pop(), tuple(parts), hunted, terms)
 
 
 def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
@@ -167,8 +168,9 @@ class Layout:
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
     have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; board: rows of what
-    predators' surveys write, fixed ones and for each prey; parts(kind, role): what kernels loop over, each with its class
-    (strategy), the hooks it has of its own (own), and its structs.
+    predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
+    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
+    its own (own), and its structs.
     """
 
     def __init__(self, structure: Structure, lanes: Any) -> None:
@@ -208,6 +210,12 @@ class Layout:
         self.board = SimpleNamespace(fixed=0, each=0)
         for part in structure.parts:
             self._add(part, lanes)
+        self.courses: dict[str, dict[str, list[int]]] = {kind: {} for kind in self.agent_rows}
+        for kind, noted in self.courses.items() if structure.terms else ():
+            for term in terms.names(self, kind):
+                first = self.agent_rows[kind]
+                noted[term] = list(range(first, first + frame.dim))
+                self.agent_rows[kind] += frame.dim
 
     def _column(self, path: str) -> int:
         self.paths.append(path)
@@ -264,6 +272,10 @@ class Layout:
         """List the parts of a role, or those of them that have a hook of their own."""
         found = [each for each in self._parts if (each.part.kind, each.part.role) == (kind, role)]
         return found if hook is None else [each for each in found if hook in each.own]
+
+    def flocks(self, kind: str) -> bool:
+        """Tell whether separation, cohesion and alignment act on agents of a kind in any trial."""
+        return all(p.strategy.flocks or p.part.mixed for p in self.parts(kind, "strategy"))
 
     def shown(self, kind: str) -> dict[str, int]:
         """Map what agents see of each other's memory to its row."""

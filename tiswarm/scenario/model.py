@@ -262,7 +262,10 @@ class Scenario(Part):
     @classmethod
     def from_json(cls, text: str) -> "Scenario":
         """Read what `to_json` wrote. Errors: ScenarioError."""
-        return validated(json.loads(text))
+        try:
+            return validated(json.loads(text))
+        except (json.JSONDecodeError, RecursionError) as error:
+            raise ScenarioError(f"scenario: not valid JSON: {error}") from None
 
     def to_toml(self) -> str:
         """Write the scenario as a preset, defaults filled in."""

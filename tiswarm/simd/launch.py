@@ -1,7 +1,7 @@
-"""Launch: a kernel that runs again and again on the same arrays, without Taichi's look at each of them every time.
+"""Launch: run a kernel, in the runtime that it was built for; and run one again and again on the same arrays.
 
-Taichi 1.7.4 spends some 25 µs a call on every array it is given, several times what it takes to wake the threads. Here the
-call's description is made once and kept.
+Taichi 1.7.4 spends some 25 µs a call on every array it is given, several times what it takes to wake the threads. A prepared
+launch makes the call's description once and keeps it.
 """
 
 from collections.abc import Callable
@@ -11,22 +11,34 @@ import numpy as np
 from taichi.lang import impl
 
 from tiswarm.simd import runtime
+from tiswarm.simd.runtime import Precision
+
+
+def run(kernel: Any, *arguments: Any, precision: Precision | None = None) -> None:
+    """Run a kernel once. precision: what its arrays were made in. Errors: as runtime.held."""
+    with runtime.held(precision):
+        runtime.check_choices()
+        kernel(*arguments)
 
 
 def prepared(kernel: Any, *arguments: np.ndarray | int) -> Callable[..., None]:
     """Give what runs a kernel on these arrays (contiguous ones, which stay where they are) and whole numbers.
 
-    It takes new values for the last of the numbers.
+    It takes new values for the last of the numbers. Errors, of what is given: as runtime.held.
     """
-    bound, of = _bound(kernel, arguments), runtime.generation()
+    precision = runtime.start().precision
+    bound: Callable[..., None]
+    of = -1
 
-    def run(*last: int) -> None:
+    def launch(*last: int) -> None:
         nonlocal bound, of
-        if of != runtime.generation():  # Taichi was started anew, and with it went all that it had compiled
-            bound, of = _bound(kernel, arguments), runtime.generation()
-        bound(*last)
+        with runtime.held(precision):
+            if of != runtime.generation():  # Taichi was started anew, and with it went all that it had compiled
+                runtime.check_choices()
+                bound, of = _bound(kernel, arguments), runtime.generation()
+            bound(*last)
 
-    return run
+    return launch
 
 
 def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[..., None]:

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from tiswarm.simd import runtime
-from tiswarm.simd.launch import prepared
+from tiswarm.simd import launch, runtime
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, cell_index, counting_sort, traversal
 from tiswarm.space.cells import (
@@ -62,7 +61,7 @@ class Grid:
         """
         types = runtime.types()
         settings = runtime.start()
-        self.space, self.count, self.trials = space, count, trials
+        self.space, self.count, self.trials, self.precision = space, count, trials, settings.precision
         self.slots = -(-max(count, 1) // LANES) * LANES
         self.plan = plan(space, reach, count, float(np.finfo(types.dtype).eps))
         self.total = self.slots * trials
@@ -100,9 +99,9 @@ class Grid:
         self.reals[PER_METRE : PER_METRE + space.dimensions] = self.plan.per_metre
         self.reals[PERIOD : PERIOD + space.dimensions] = space.size
         if self.chunks == 1:
-            self._sort = prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows)
+            self._sort = launch.prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows)
         else:
-            self._sort = prepared(self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK)
+            self._sort = launch.prepared(self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK)
 
     @property
     def nbytes(self) -> int:
@@ -136,7 +135,7 @@ class Grid:
         here = np.zeros((self.trials, self.slots), np.int32)
         here[:, : self.count] = ~gone
         self.whole[HEAD : HEAD + self.total] = here.ravel()
-        self.funcs.find(self.agents, self.whole, self.reals, self.total)
+        launch.run(self.funcs.find, self.agents, self.whole, self.reals, self.total, precision=self.precision)
         self.sort()
 
     def show(self, told: np.ndarray) -> None:
@@ -185,16 +184,11 @@ class CellFuncs(Traversal, Sorts):
     place_of: Func
 
 
-_built: dict[tuple[Any, ...], CellFuncs] = {}
-
-
 def funcs(space: Space, cut: Plan, extra: int = 0) -> CellFuncs:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
-    key = (runtime.generation(), space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
-    if key not in _built:
-        _built[key] = _build(runtime.types(), *key[1:])
-    return _built[key]
+    kind = (space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)
+    return runtime.kept(("grid", *kind), lambda: _build(runtime.types(), *kind))
 
 
 def _build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: tuple[bool, ...], width: int) -> CellFuncs:

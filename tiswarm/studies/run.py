@@ -67,6 +67,7 @@ def run_study(
         if folder is not None:
             held.enter_context(locked(folder))
             ledger = Ledger(folder, Path(name).stem, found, seed, count, study.measures, runtime.start())
+            held.callback(ledger.close)
             ledger.open(fresh)
             _take_in(ledger, found, columns_of(study.measures), keep)
         missing = [cell for cell in found if cell.number not in rows]
@@ -82,6 +83,7 @@ def run_study(
         ordered = [rows[cell.number] for cell in found]
         result = Report(Path(name).stem, study, ordered, seed, time.perf_counter() - started, len(missing))
         if ledger:
+            ledger.close()
             _close(ledger, result)
     return result
 

@@ -3,6 +3,7 @@
 import inspect
 import json
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -19,6 +20,10 @@ from tiswarm.studies.design import Cell
 from tiswarm.system.files import read_bounded, replacing, sweep, write_text
 
 MANIFEST = "manifest.json"
+
+WRITERS = 8
+"""Threads that write cells: each mostly waits for the disc, and waiting together is no slower than waiting alone."""
+
 MOST_MANIFEST = 1 << 28
 MOST_IDENTITY = 1 << 14
 """Most bytes of a manifest, and characters of a cell's identity, that are read."""
@@ -59,6 +64,8 @@ class Ledger:
         """Say whose the ledger is; nothing is read or written yet."""
         self.folder = folder
         self.refused = 0
+        self._writers = ThreadPoolExecutor(WRITERS, "cells")
+        self._writing: list[Future[None]] = []
         told = {
             "study": study,
             "seed": seed,
@@ -108,7 +115,18 @@ class Ledger:
         write_text(self.folder / MANIFEST, f'{rest[:-2]},\n  "cells": [\n    {cells}\n  ]\n}}\n')
 
     def keep(self, cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
-        """Write a finished cell: name -> [trial]."""
+        """Write a finished cell, name -> [trial], while the next ones run. Errors: OSError, of this cell or one before."""
+        self._writing.append(self._writers.submit(self._write_cell, cell, outcomes))
+        while self._writing and self._writing[0].done():
+            self._writing.pop(0).result()
+
+    def close(self) -> None:
+        """Wait until all cells are on the disc. Errors: OSError when one could not be written."""
+        self._writers.shutdown()
+        for each in self._writing:
+            each.result()
+
+    def _write_cell(self, cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
         identity = identity_of(self.about, cell.number, list(outcomes)) | {"digest": digest(outcomes)}
         with replacing(cell_file(self.folder, cell.number), durable=True) as part, part.open("wb") as file:
             np.savez_compressed(file, allow_pickle=False, identity=np.array(json.dumps(identity)), **outcomes)

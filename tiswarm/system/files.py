@@ -8,12 +8,14 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Lock
 
 from tiswarm.system.owner import Owner
 
 _TEMPORARY = re.compile(r"\..*\.([0-9a-f]{8})-(\d{1,9})-([0-9a-f]*)\.\w{8}\.part(\.[^.]+)?", re.DOTALL)
 """Names of temporary files and folders: whose they are."""
 
+_asking = Lock()  # for the umask, which can only be read by setting it
 _swept: set[tuple[int, Path]] = set()  # process and folder: once is enough, since only killed runs leave something behind
 
 
@@ -150,6 +152,7 @@ def check_writable(folder: Path) -> None:
 
 
 def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
+    with _asking:
+        mask = os.umask(0)
+        os.umask(mask)
     return mask

@@ -12,6 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import IO
 
+from tiswarm.system.progress import begin_work
+
 LOCK = ".lock"
 
 _held: dict[Path, int] = {}  # folder -> thread that holds it: a run may lock what it holds once more
@@ -71,6 +73,7 @@ def locked(folder: Path) -> Iterator[None]:
     if _held.get(key) == threading.get_ident():
         yield
         return
+    begin_work()
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     place = folder / LOCK

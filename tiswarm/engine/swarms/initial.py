@@ -9,15 +9,13 @@ from tiswarm.dynamics import spawn
 from tiswarm.dynamics.table import Layout
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
-from tiswarm.simd import philox, runtime
+from tiswarm.simd import launch, philox, runtime
 from tiswarm.simd.runtime import LANES, Types
 
 States = dict[str, tuple[np.ndarray, np.ndarray]]
 """Positions and velocities of prey, predators and obstacles: [trial, agent, dim] each, m and m/s; NaN where nobody is.
 
 An obstacle's velocity holds its radius first."""
-
-_kernels: dict[tuple[Any, ...], Any] = {}
 
 
 def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int) -> States:
@@ -30,7 +28,7 @@ def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int
         blocks = -(-count * trials // LANES)
         out = runtime.aligned((max(blocks, 1) * 2 * dim, LANES), types.dtype)
         if blocks:
-            _kernel(layout, kind)(out, numbers, blocks, count, first, *philox.seed_words(seed))
+            launch.run(_kernel(layout, kind), out, numbers, blocks, count, first, *philox.seed_words(seed))
         rows = out[: blocks * 2 * dim].reshape(blocks, 2 * dim, LANES).transpose(0, 2, 1).reshape(-1, 2 * dim)
         table = rows[: count * trials].reshape(trials, count, 2 * dim).astype(np.float64)
         if kind == "obstacles":
@@ -61,10 +59,7 @@ def given(start: Start, trials: int) -> States:
 
 def _kernel(layout: Layout, kind: str) -> Any:
     """Give the kernel that draws agents of a kind, built once per runtime."""
-    key = (runtime.generation(), layout.structure, kind)
-    if key not in _kernels:
-        _kernels[key] = _build(layout, runtime.types(), kind)
-    return _kernels[key]
+    return runtime.kept(("draw", layout.structure, kind), lambda: _build(layout, runtime.types(), kind))
 
 
 def _build(layout: Layout, types: Types, kind: str) -> Any:

@@ -34,12 +34,20 @@ class Swarm(Crowds):
     """
 
     def __init__(
-        self, scenario: Scenario, seed: int = 0, trials: int = 1, trial: int = 0, start: Start | Paths | None = None
+        self,
+        scenario: Scenario,
+        seed: int = 0,
+        trials: int = 1,
+        trial: int = 0,
+        start: Start | Paths | None = None,
+        *,
+        terms: bool = False,
     ) -> None:
         """Draw the starts of `trials` trials from number `trial` on, the same as in a batch, or take an explicit one.
 
         start: one for all trials; or positions and velocities of prey alone, [trial, agent, dim] each, m and m/s, NaN for those
         who are not there: trials and agents are then counted there.
+        terms: whether `record` keeps what each term added to every velocity.
 
         Errors: ScenarioError for what needs the trials of few agents (`neighbours = "all-pairs"`); ValueError for numbers that
         are not finite.
@@ -58,7 +66,7 @@ class Swarm(Crowds):
         elif start is not None:
             scenario = start.applied(scenario)
         check(scenario)
-        layout = Layout(Structure.of([scenario], scenario.predators.count), runtime.types().lanes)
+        layout = Layout(Structure.of([scenario], scenario.predators.count, terms=terms), runtime.types().lanes)
         if isinstance(start, Start):
             states = initial.given(start, trials)
         else:
@@ -92,6 +100,14 @@ class Swarm(Crowds):
             for p in self._layout.parts(kind, "strategy")
         }
         return {name: memory for name, memory in rows.items() if memory}
+
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [trial, agent, dim], m/s."""
+        crowd = self._crowds[kind]
+        return {
+            name: np.stack([crowd.row(row)[:, : crowd.grid.count] for row in rows], axis=-1).astype(np.float64)
+            for name, rows in self._layout.courses[kind].items()
+        }
 
     @property
     def obstacle_position(self) -> np.ndarray:
@@ -129,9 +145,9 @@ class Swarm(Crowds):
 class Alone:
     """One trial of a large swarm, with what engine/trials/trial.py's Single gives: arrays [agent, ...]."""
 
-    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None, *, terms: bool = False) -> None:
         """Draw the start from seed and trial number, or take an explicit one. Errors: as of `Swarm`."""
-        self._swarm = Swarm(scenario, seed, 1, trial, start)
+        self._swarm = Swarm(scenario, seed, 1, trial, start, terms=terms)
 
     @property
     def scenario(self) -> Scenario:
@@ -165,6 +181,10 @@ class Alone:
     def velocity(self, kind: str) -> np.ndarray:
         """Give their velocity: [agent, dim], m/s, NaN for those who are gone."""
         return self._swarm.velocity(kind)[0]
+
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [agent, dim], m/s."""
+        return {name: rows[0] for name, rows in self._swarm.courses(kind).items()}
 
     def fate(self, kind: str) -> np.ndarray:
         """Name what became of each agent so far: [agent]."""

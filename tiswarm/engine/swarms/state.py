@@ -9,6 +9,7 @@ import numpy as np
 
 from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import Layout
+from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
 from tiswarm.engine.swarms import contacts, initial, kernels, near_cells, transfer
 from tiswarm.scenario.model import Scenario
@@ -23,8 +24,6 @@ SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
 
 ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
-
-_built: dict[tuple[Any, ...], "SwarmKernels"] = {}
 
 
 @dataclass
@@ -283,7 +282,18 @@ class Crowds:
                 self._cull("predators")
         over = (self.counts[:, ALIVE] == 0) | (self.age >= self.ticks)
         self.ended_at[over & ~self.ended] = min(self.age, self.ticks)
+        for trial in np.flatnonzero(over & ~self.ended):
+            self._check_finite(int(trial))
         self.ended |= over
+
+    def _check_finite(self, trial: int) -> None:
+        """Raise NotFiniteError if anybody of a trial that ends is nowhere."""
+        for kind in ("prey", "predators"):
+            grid = self._crowds[kind].grid
+            own = slice(trial * grid.slots, trial * grid.slots + int(grid.alive()[trial]))
+            state = np.full((grid.slots, 2 * self.scenario.world.dim), 0.0)
+            state[grid.numbers[trial, : own.stop - own.start]] = grid.agents[own, : state.shape[1]]
+            finite.check(self.scenario, self.trial + trial, self.age, kind, state, np.ones(len(state), bool))
 
     def _cull(self, kind: str) -> None:
         crowd = self._crowds[kind]
@@ -309,12 +319,14 @@ class SwarmKernels:
 def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
-    key = (runtime.generation(), layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
-    if key not in _built:
-        types = runtime.types()
-        see = views.build(layout, types)
-        senses = near_cells.build(layout, types, see, near)
-        uniform = spawn.build(layout, types).uniform
-        tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
-        _built[key] = SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)
-    return _built[key]
+    key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
+    return runtime.kept(key, lambda: _build(layout, near, mortal))
+
+
+def _build(layout: Layout, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
+    types = runtime.types()
+    see = views.build(layout, types)
+    senses = near_cells.build(layout, types, see, near)
+    uniform = spawn.build(layout, types).uniform
+    tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
+    return SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)

@@ -6,12 +6,13 @@ import numpy as np
 
 from tiswarm.dynamics.table import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
 from tiswarm.engine.choice import check_pairs
+from tiswarm.engine.finite import STRANGE, NotFiniteError
 from tiswarm.engine.trials import kernel
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.parts import LIMIT
-from tiswarm.simd import philox, runtime
+from tiswarm.simd import launch, philox, runtime
 from tiswarm.simd.runtime import LANES
 from tiswarm.strategies import registry
 from tiswarm.system.progress import reporting
@@ -33,17 +34,22 @@ class Blocks:
     Attributes are as the kernel's arguments of the same names (kernel.py).
     """
 
-    def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
-        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
+    def __init__(
+        self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None, *, terms: bool = False
+    ) -> None:
+        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None.
+
+        terms: whether agents note their velocity behind each term of a move.
+        """
         types = runtime.types()
-        self.blocks = blocks
+        self.blocks, self.precision = blocks, runtime.start().precision
         self.counts = counts or (
             max(scenario.prey.count for scenario in scenarios),
             max(scenario.predators.count for scenario in scenarios),
             max(scenario.obstacles.count for scenario in scenarios),
         )
         check_pairs(max(self.counts))
-        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1]))
+        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1], terms=terms))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype
@@ -77,7 +83,8 @@ class Blocks:
         moves: int,
     ) -> None:
         """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
-        self.kernel(
+        launch.run(
+            self.kernel,
             self.prey,
             self.predators,
             self.obstacles,
@@ -96,6 +103,7 @@ class Blocks:
             *philox.seed_words(seed),
             self.blocks,
             moves,
+            precision=self.precision,
         )
 
 
@@ -129,6 +137,13 @@ def run(
             here = slice(jobs[0], jobs[-1] + 1)
             queue = np.array([0, len(jobs)], np.int32)
             blocks.advance(table, places, queue, outcomes[here], measured[here], seed, NO_LIMIT)
+
+            def told(job: int, first: int = first) -> tuple[Scenario, int]:
+                which, trial = divmod(first + job, count)
+                own = {path: values[trial] for path, values in weights.items()} if weights else {}
+                return with_numbers(scenarios[which], own), trial
+
+            refuse_strange(outcomes[here], told, seed)
             while (len(results) + 1) * count <= jobs[-1] + 1:  # the launch ran the last trials of these scenarios
                 own = dict(zip(kernel.OUTCOMES, split[len(results)].T, strict=True))
                 values = dict(zip(blocks.measures, split_measured[len(results)].T.astype(np.float64), strict=False))
@@ -137,6 +152,37 @@ def run(
                     finished(len(results) - 1, results[-1])
             report(int(jobs[-1]) + 1)
     return results
+
+
+def refuse_strange(outcomes: np.ndarray, of: Callable[[int], tuple[Scenario, int]], seed: int) -> None:
+    """Raise NotFiniteError where a state was not finite at the end of trials: the first runs again, to see when and who.
+
+    outcomes: [job, outcome]; of: scenario and number of the trial of a job.
+    """
+    strange = np.flatnonzero(outcomes[:, 0] == STRANGE)
+    if not len(strange):
+        return
+    from tiswarm.engine.trials.trial import Single  # which works by the blocks of this module
+
+    scenario, trial = of(int(strange[0]))
+    told = f"{len(strange)} of {len(outcomes)} trials are not finite, " if len(strange) > 1 else ""
+    try:
+        Single(scenario, seed, trial).step(scenario.world.ticks)
+    except NotFiniteError as error:
+        raise NotFiniteError(f"{told}{error}") from None
+    raise NotFiniteError(
+        f"{told}trial {trial} is not finite at its end, by strategy '{scenario.prey.strategy}'; lower its gains"
+    )
+
+
+def with_numbers(scenario: Scenario, numbers: Mapping[str, float]) -> Scenario:
+    """Give the scenario with the numbers of one trial of its own."""
+    return scenario.replaced({path: int(value) if _whole(path) else float(value) for path, value in numbers.items()})
+
+
+def _whole(path: str) -> bool:
+    """Tell whether a number must be a whole one."""
+    return path.endswith(".count") or path in ("world.ticks", "measures.after", "measures.window")
 
 
 def _check_live(scenarios: list[Scenario]) -> None:
@@ -168,7 +214,7 @@ def check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: 
             raise ScenarioError(f"weights: {path} has shape {array.shape}; use one number for each of the {count} trials")
         if not np.isfinite(array).all() or np.abs(array).max() > LIMIT:
             raise ScenarioError(f"weights: {path} holds a number that is not finite, or beyond {LIMIT:g}")
-        whole = path.endswith(".count") or path in ("world.ticks", "measures.after", "measures.window")
+        whole = _whole(path)
         if whole and (array != np.round(array)).any():
             raise ScenarioError(f"weights: {path} holds {array[array != np.round(array)][0]:g}; use a whole number")
         arrays[path] = array

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tiswarm.engine.trials import kernel
-from tiswarm.engine.trials.batch import CHUNK, NO_LIMIT, Blocks, check_weights, other_end
+from tiswarm.engine.trials.batch import CHUNK, NO_LIMIT, Blocks, check_weights, other_end, refuse_strange, with_numbers
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
@@ -56,6 +56,8 @@ class Candidates:
             here = slice(first, min(first + CHUNK, count))
             queue = np.array([0, here.stop - first], np.int32)
             self._blocks.advance(table, jobs[here], queue, outcomes[here], measured[here], seed, NO_LIMIT)
+        numbers = [dict(zip(self.paths, row, strict=True)) for row in values]
+        refuse_strange(outcomes, lambda job: (with_numbers(self.scenario, numbers[jobs[job, 0]]), int(jobs[job, 1])), seed)
         told = dict(zip(kernel.OUTCOMES, outcomes.T, strict=True))
         measures = dict(zip(self._blocks.measures, measured.T.astype(np.float64), strict=False))
         weights = {path: np.repeat(each, len(trials)) for path, each in own.items()}

@@ -22,6 +22,7 @@ from tiswarm.dynamics.table import (
     Layout,
     Structure,
 )
+from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
@@ -38,15 +39,10 @@ OUTCOMES = {
 }
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
-_kernels: dict[tuple[int, Structure], tuple[Any, Layout, tuple[int, int]]] = {}
-
 
 def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
     """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
-    key = (runtime.generation(), structure)
-    if key not in _kernels:
-        _kernels[key] = _build(structure, runtime.types())
-    return _kernels[key]
+    return runtime.kept(("trials", structure), lambda: _build(structure, runtime.types()))
 
 
 def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, int]]:
@@ -58,12 +54,28 @@ def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, 
     measures = running.build(layout, types, see)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
+    state = layout.rows.place + layout.rows.motion
     flat = types.lane_array(1)
     integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
     whole = ti.types.ndarray(dtype=ti.i32, ndim=2)
 
     @ti.func
+    def strangeness(agents: ti.template(), b, count, height: ti.template()):
+        """Give 0 in the lanes where all who are there have finite places and velocities, else what is no number."""
+        told = types.lanes(0.0)
+        for i in range(count):
+            a = (b * count + i) * height
+            own = types.lanes(0.0)
+            for k in ti.static(range(len(state))):
+                own += 0.0 * agents[a + state[k]]
+            told += ti.select(agents[a + layout.rows.alive] > 0.5, own, 0.0)
+        return told
+
+    @ti.func
     def refill(
+        prey: ti.template(),
+        predators: ti.template(),
+        counts,
         clock: ti.template(),
         integer: ti.template(),
         numbers: ti.template(),
@@ -79,11 +91,17 @@ def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, 
 
         Which lane gets which trial depends on the threads; no result does.
         """
+        strange = strangeness(prey, b, counts[0], layout.agent_rows["prey"])
+        if ti.static(structure.hunted):
+            strange += strangeness(predators, b, counts[1], layout.agent_rows["predators"])
+        finite = ti.select(strange == 0.0, 1, 0)
         for lane in range(LANES):
             if clock[b, DONE][lane] > 0.5:
                 job = ti.cast(integer[b, JOB][lane], ti.i32)
                 for k in ti.static(range(len(outcomes))):
                     results[job, k] = ti.cast(clock[b, outcomes[k]][lane] + 0.5, ti.i32)
+                if finite[lane] == 0:
+                    results[job, 0] = STRANGE
                 for k in ti.static(range(measures.count)):
                     s = b * measures.height + 2 * k
                     measured[job, k] = sums[s][lane] / sums[s + 1][lane]  # no state to measure: 0/0, not a number
@@ -135,7 +153,7 @@ def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, 
                     ended = clock[b, DONE].max() > 0.5
                     waiting = clock[b, ON].min() < 0.5 and queue[0] < queue[1]
                     if ended or waiting:
-                        refill(clock, integer, numbers, table, jobs, queue, results, sums, measured, b)
+                        refill(prey, predators, counts, clock, integer, numbers, table, jobs, queue, results, sums, measured, b)
                         fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
                         starts.spawn(prey, predators, obstacles, counts, numbers, integer, b, fresh, key_low, key_high)
                         measures.spread_ground(sums, ground, obstacles, numbers, b, obstacle_count, fresh)
