@@ -89,6 +89,7 @@ def test_the_command_prints_rounds_and_writes_them(tmp_path):
     run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     assert "predators gain" in run.stdout
     assert (tmp_path / "out" / "payoff.png").is_file()
+    assert (tmp_path / "out" / "film.mp4").is_file()
     told = json.loads((tmp_path / "out" / "race.json").read_text())
     assert {"value", "payoff", "answers", "prey", "predators"} <= told[0].keys()
     refused = subprocess.run([*command, "--set", "prey.goal=1"], capture_output=True, text=True, timeout=60, check=False)

@@ -31,6 +31,7 @@ def run(rules: Rules, folder: Path, seed: int | None, trials: int | None, fresh:
         rounds = race.run(fresh, finished)
         if importlib.util.find_spec("matplotlib") is not None:
             _draw(rules, race, rounds)
+        _film(race, rounds)
     print_rounds(rounds)
     if not quiet:
         out.print(f"{race.trials:,} trials a cell, seed {race.seed}; written to {folder}")
@@ -61,6 +62,21 @@ def _gain(answer: Any) -> str:
 def _mixture(policies: tuple[Any, ...], shares: np.ndarray) -> str:
     played = sorted(zip(shares, policies, strict=True), key=lambda pair: -pair[0])
     return ", ".join(f"{policy.name} {share:.0%}" for share, policy in played if share >= SHOWN)
+
+
+def _film(race: Race, rounds: list[Round]) -> None:
+    """Film trial 0 of what both sides play most in each round, all rounds side by side."""
+    import render
+    import tiswarm
+
+    recordings = []
+    for each in rounds:
+        prey = each.prey[int(np.argmax(each.solution.rows))]
+        predators = each.predators[int(np.argmax(each.solution.columns))]
+        recordings.append(tiswarm.record(race.scenario(prey, predators), 0, race.seed))
+    labels = [f"round {each.number}" for each in rounds]
+    subject = recordings if len(recordings) > 1 else recordings[0]
+    render.film(subject, race.folder / "film.mp4", labels=labels if len(recordings) > 1 else None)
 
 
 def _draw(rules: Rules, race: Race, rounds: list[Round]) -> None:

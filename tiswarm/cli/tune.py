@@ -64,6 +64,9 @@ def tune(
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Throw away what the folder holds, instead of going on with it.")
     ] = False,
+    film: Annotated[
+        bool, typer.Option("--film", help="Also film start and found side by side, trial 0, as DIR/film.mp4.")
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -110,11 +113,22 @@ def tune(
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
         tune_figures.draw(tuned, folder)
+    if film:
+        _film(tuned, folder)
     print_tuned(tuned)
     if not quiet:
         missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
         count = sum(len(made.scores) * trials for made in tuned.history)
         out.print(f"{count:,} trials searched, {tuned.seconds:.1f} s, seed {seed}; written to {folder}{missing}")
+
+
+def _film(tuned: Any, folder: Path) -> None:
+    """Film one trial as it was and as it is, under the same luck."""
+    import render
+    import tiswarm
+
+    both = [tiswarm.record(each, 0, tuned.seed) for each in (tuned.starts[0], tuned.scenario)]
+    render.film(both, folder / "film.mp4", labels=["start", "found"])
 
 
 def negated(text: str) -> str:

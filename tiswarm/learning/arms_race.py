@@ -152,10 +152,11 @@ class Race:
         others = [Policy(_name(changes), changes, 0) for changes in rules.predators.policies]
         self._policies: dict[str, list[Policy]] = {"prey": begin, "predators": others}
         told = {"race": json.loads(rules.model_dump_json()), "seed": self.seed, "trials": self.trials}
-        every = [self._scenario(one, other) for one in begin for other in others]
+        every = [self.scenario(one, other) for one in begin for other in others]
         self._store = Store(folder, told | {"scenario_hash": [each.hash() for each in every]}, every)
 
-    def _scenario(self, prey: Policy, predators: Policy) -> Scenario:
+    def scenario(self, prey: Policy, predators: Policy) -> Scenario:
+        """Give the world in which two policies meet."""
         return self._base.replaced({**prey.changes, **predators.changes})
 
     def run(self, fresh: bool = False, finished: Callable[[Round], None] | None = None) -> list[Round]:
@@ -191,7 +192,7 @@ class Race:
 
     def _outcomes(self, prey: Policy, predators: Policy) -> np.ndarray:
         """Give the prey's success in the trials of a cell, which no search sees: [trial]."""
-        scenario = self._scenario(prey, predators)
+        scenario = self.scenario(prey, predators)
         held = self._store.read(scenario.hash())
         if held is not None and held["success"].shape == (self.trials,):
             return held["success"]
@@ -208,7 +209,7 @@ class Race:
         start = own[int(np.argmax(sign * (table @ shares)))]
         met = [k for k in range(len(others)) if shares[k] > LEAST_SHARE]
         pairs = [(start, others[k]) if side == "prey" else (others[k], start) for k in met]
-        scenarios = [self._scenario(*pair) for pair in pairs]
+        scenarios = [self.scenario(*pair) for pair in pairs]
         known = scenarios[0].numbers()
         tuned = tune(
             scenarios,
