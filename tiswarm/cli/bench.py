@@ -37,7 +37,9 @@ def bench(
 ) -> None:
     """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
     from tiswarm.cli import figures as charts
+    from tiswarm.cli import race
     from tiswarm.cli.progress_table import watching
+    from tiswarm.learning import arms_race
     from tiswarm.studies import console, design, export, run
     from tiswarm.studies.payoffs import contest
     from tiswarm.system.files import write_text
@@ -49,8 +51,14 @@ def bench(
         export.check_parquet()
     drawn = charts.chosen(figures)
     start(seed or 0, threads, precision, strategy_path)
-    stated = design.load_study(study)
     folder = output or Path("out") / Path(study).stem
+    rules = arms_race.rules_of(study)
+    if rules is not None:
+        if sets or figures or per_trial:
+            raise WrongInput(f"{study}: an arms race; drop --set, --figures, --per-trial and --parquet, or change its file")
+        race.run(rules, folder, seed, trials, fresh, quiet)
+        return
+    stated = design.load_study(study)
     overrides = dict(assignment(each) for each in sets or [])
     with locked(folder):
         with watching(not quiet, stated.measures) as (report_trials, finished):

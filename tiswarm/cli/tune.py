@@ -76,6 +76,7 @@ def tune(
     from tiswarm.cli.tune_table import watching
     from tiswarm.learning import keys
     from tiswarm.learning.tune import tune as search
+    from tiswarm.system.owner import locked
 
     if maximise is not None and minimise is not None:
         raise WrongInput("--maximise, --minimise: use one of them")
@@ -88,7 +89,7 @@ def tune(
     start(seed, threads, precision, strategy_path)
     scenarios = [load_scenario(each, sets) for each in (preset, *(also or []))]
     folder = output or Path("out") / f"tune-{Path(preset).stem if preset.endswith('.toml') else preset.replace('/', '-')}"
-    with watching(not quiet) as (report, finished):
+    with locked(folder), watching(not quiet) as (report, finished):
         tuned = search(
             scenarios,
             ranges,
@@ -103,8 +104,8 @@ def tune(
             folder,
             fresh,
             network,
-            report,
-            finished,
+            progress=report,
+            finished=finished,
         )
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:

@@ -95,14 +95,15 @@ class Objective:
 class Evaluation:
     """One arm's candidates run through trials, in all its scenarios."""
 
-    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int) -> None:
-        """Check, and allocate. Errors: ScenarioError."""
+    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int, shares: np.ndarray | None = None) -> None:
+        """Check, and allocate. shares: [scenario], how much each counts in the mean. Errors: ScenarioError."""
         for scenario in arm.scenarios:
             objective.check(scenario)
         bounds = {each.path: (each.low, each.high) for each in arm.ranges}
         self.arm = arm
         self._objective = objective
-        self._across = across
+        self._across: Across = across
+        self.shares = shares
         self._seed = seed
         self._worlds = [Candidates(scenario, bounds) for scenario in arm.scenarios]
 
@@ -116,12 +117,13 @@ class Evaluation:
 
     def scores(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
         """Give what candidates are ranked by: [candidate], -inf for one without a value in some scenario."""
-        return scores_of(self.outcomes(values, trials), self._across)
+        return scores_of(self.outcomes(values, trials), self._across, self.shares)
 
 
-def scores_of(outcomes: np.ndarray, across: Across) -> np.ndarray:
+def scores_of(outcomes: np.ndarray, across: Across, shares: np.ndarray | None = None) -> np.ndarray:
     """Join trials by their mean, scenarios by mean or worst: [scenario, candidate, trial] to [candidate].
 
+    shares: [scenario], how much each counts in the mean, all alike when None.
     Trials without a value are left out; a candidate without any is ranked last.
     """
     there = np.isfinite(outcomes)
@@ -129,7 +131,7 @@ def scores_of(outcomes: np.ndarray, across: Across) -> np.ndarray:
     with np.errstate(invalid="ignore", divide="ignore"):
         means = np.where(there, outcomes, 0.0).sum(axis=2) / count
     means = np.where(count > 0, means, -np.inf)
-    return np.asarray(means.mean(axis=0) if across == "mean" else means.min(axis=0))
+    return np.asarray(np.average(means, axis=0, weights=shares) if across == "mean" else means.min(axis=0))
 
 
 def search_trials(generation: int, count: int) -> np.ndarray:

@@ -82,6 +82,7 @@ def tune(
     folder: str | os.PathLike | None = None,
     fresh: bool = False,
     network: str = "",
+    shares: Sequence[float] | None = None,
     progress: bool | Callable[[int, int], None] = False,
     finished: Finished | None = None,
 ) -> Tuned:
@@ -93,6 +94,7 @@ def tune(
     trials, each generation new ones. checks: trials that tell which generation was best; validation: trials that neither search
     nor checks saw, on which alone start and result are compared.
     folder: where generations are kept, and taken from when the same tuning was cut short before; None keeps nothing.
+    shares: how much each scenario counts in the mean, all alike when None.
     network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
     fresh: throw away what the folder holds. finished: called with each generation.
 
@@ -114,12 +116,13 @@ def tune(
     if network and folder is None:
         raise ScenarioError("tune: a network is written to a file; name a folder for it")
     check_cmaes()
-    shares = rounds(len(found), spent.generations) if network or any(arm.ranges for arm in found) else [Round(len(found), 1)]
+    counts = _shares(shares, len(scenarios))
+    share_out = rounds(len(found), spent.generations) if network or any(arm.ranges for arm in found) else [Round(len(found), 1)]
     store = None
     if folder is not None:
         told = {
             "tune": {path: list(each) for path, each in over.items()},
-            "objective": {"maximise": str(aim), "across": across},
+            "objective": {"maximise": str(aim), "across": across, "shares": None if counts is None else counts.tolist()},
             "network": network,
             "seed": seed,
             "budget": asdict(spent),
@@ -128,16 +131,26 @@ def tune(
         store = Store(
             Path(folder), json.loads(json.dumps(told)), [one for arm in found for one in (*scenarios, *arm.scenarios)]
         )
-    run = _Run(found, scenarios, aim, across, spent, seed, store)
+    run = _Run(found, scenarios, aim, across, counts, spent, seed, store)
     if store is not None:
         store.open(fresh)
-    best, history = run.search(shares, progress, finished)
+    best, history = run.search(share_out, progress, finished)
     winner = run.tuned(best)
     result = validated(scenarios, winner, aim, across, spent.validation, seed, best, history, time.perf_counter() - started)
     if store is not None:
         store.write(**result.told(), wall_time_s=round(store.about.get("wall_time_s", 0.0) + result.seconds, 3))
         result.save(store.folder)
     return result
+
+
+def _shares(shares: Sequence[float] | None, scenarios: int) -> np.ndarray | None:
+    """Check how much scenarios count. Errors: ScenarioError."""
+    if shares is None:
+        return None
+    found = np.asarray(shares, np.float64)
+    if found.shape != (scenarios,) or not np.isfinite(found).all() or found.min() < 0 or found.sum() <= 0:
+        raise ScenarioError(f"shares: {list(shares)} do not fit {scenarios} scenarios; use a number of 0 or more for each")
+    return found / found.sum()
 
 
 class _Run:
@@ -149,6 +162,7 @@ class _Run:
         scenarios: Sequence[Scenario],
         objective: Objective,
         across: Across,
+        shares: np.ndarray | None,
         budget: Budget,
         seed: int,
         store: Store | None,
@@ -157,8 +171,8 @@ class _Run:
         self._across: Across = across
         self._budget = budget
         self._store = store
-        self._start = Evaluation(Arm((), tuple(scenarios), ()), objective, across, seed)
-        self._worlds = [Evaluation(arm, objective, across, seed) for arm in found]
+        self._start = Evaluation(Arm((), tuple(scenarios), ()), objective, across, seed, shares)
+        self._worlds = [Evaluation(arm, objective, across, seed, shares) for arm in found]
         self._searches = [
             Search(arm.start, budget.candidates, (seed, k), np.array([each.step for each in arm.ranges], np.float64))
             if arm.ranges or arm.side
@@ -234,5 +248,5 @@ class _Run:
             outcomes = world.outcomes(values[None], check_trials(self._budget.checks))
             if self._store:
                 self._store.keep(name, {"values": values, "outcomes": outcomes})
-        score = float(scores_of(outcomes, self._across)[0])
-        return Check(arm, values, score, outcomes[:, 0], None if start is None else start.outcomes)
+        score = float(scores_of(outcomes, self._across, world.shares)[0])
+        return Check(arm, values, score, outcomes[:, 0], None if start is None else start.outcomes, world.shares)

@@ -23,7 +23,8 @@ from tiswarm.system.files import write_text
 class Check:
     """The middle of a search, run through the trials that choose among generations.
 
-    arm: its place, -1 for the start; values: [range]; outcomes: the objective, [scenario, trial]; start: the start's, or None.
+    arm: its place, -1 for the start; values: [range]; outcomes: the objective, [scenario, trial]; start: the start's, or
+    None; shares: [scenario], how much each counts in the mean, or None.
     """
 
     arm: int
@@ -31,12 +32,13 @@ class Check:
     score: float
     outcomes: np.ndarray
     start: np.ndarray | None
+    shares: np.ndarray | None = None
 
     @property
     def gain(self) -> Estimate:
-        """Estimate the paired difference to the start, scenarios joined by their mean."""
+        """Estimate the paired difference to the start, scenarios joined by their mean, whatever is searched for."""
         before = self.outcomes if self.start is None else self.start
-        return Estimate.of((self.outcomes - before).mean(axis=0))
+        return Estimate.of(np.average(self.outcomes - before, axis=0, weights=self.shares))
 
 
 @dataclass(frozen=True, eq=False)
