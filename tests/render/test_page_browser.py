@@ -159,6 +159,33 @@ def test_the_keyboard_does_all(browser, page):
     assert browser.run("return document.documentElement.dataset.theme") == "light"
 
 
+def test_fingers_choose_drag_and_zoom(browser, page, calm):
+    browser.open(page, "#tick=7")
+    browser.drawn()
+    box = browser.run("const b = document.getElementById('stage').getBoundingClientRect(); return [b.x, b.y]")
+
+    def touch(kind: str, *spots) -> None:
+        points = [{"x": box[0] + x, "y": box[1] + y, "id": n} for n, (x, y) in enumerate(spots)]
+        browser.ask("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+
+    spot = pixels(browser, calm.prey.position[7, 2])
+    touch("touchStart", spot + np.array([12, 0]))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.chosen.agent === 2")
+    before = browser.run("return tiswarm.stage.scenes[0].lens.centre")
+    touch("touchStart", (300, 300))
+    touch("touchMove", (340, 300))
+    touch("touchMove", (400, 300))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.scenes[0].lens.centre[0] < arguments[0] - 1", before[0])
+    touch("touchStart", (300, 300), (400, 300))
+    touch("touchMove", (250, 300), (450, 300))
+    touch("touchMove", (200, 300), (500, 300))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.scenes[0].lens.zoom > 2")
+    assert browser.run("return tiswarm.stage.chosen.agent") == 2
+
+
 def test_every_control_has_a_name_and_can_be_reached(browser, page):
     from selenium.webdriver.common.keys import Keys
 
