@@ -11,6 +11,8 @@ import tiswarm
 from tiswarm.scenario import presets as module
 from tiswarm.scenario.model import Scenario
 
+pytestmark = pytest.mark.quick
+
 
 def _complaint(overrides, preset="delft/pronav-10"):
     with pytest.raises(tiswarm.ScenarioError) as caught:

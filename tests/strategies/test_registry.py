@@ -6,6 +6,8 @@ import pytest
 import tiswarm
 from tiswarm.strategies import registry
 
+pytestmark = pytest.mark.quick
+
 RUNNER = '''"""Runner: run along the x axis."""
 
 from dataclasses import dataclass

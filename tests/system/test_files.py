@@ -11,6 +11,8 @@ from tiswarm.system import files
 from tiswarm.system.files import replacing, replacing_folder, write_text
 from tiswarm.system.owner import Owner
 
+pytestmark = pytest.mark.quick
+
 KILLED = """
 import os, signal, sys
 from pathlib import Path
