@@ -155,3 +155,42 @@ def test_numpys_warnings_reach_the_user_of_a_film(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr.splitlines() == ["tiswarm: warning: divide by zero encountered in divide"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--poster", "x.xyz"), "unknown format '.xyz'"),
+        (("--sheet", "x"), "unknown format ''"),
+        (("-o", "x.avi"), "unknown format '.avi'"),
+        (("--fps", "fast"), "write a number"),
+        (("--fps", "1/0"), "write a number"),
+        (("--fps", "1e9999999"), "write a number"),
+        (("--fps", "30/1001"), "fps: 30/1001 is not possible"),
+        (("--size", "641x360"), "642x360"),
+        (("--poster", "file/x.png"), "file"),
+    ],
+)
+def test_what_a_film_cannot_be_is_told_before_the_work(arguments, said, tmp_path):
+    """A preset that is not there would be told first if anything was done first."""
+    (tmp_path / "file").write_text("")
+    line = ["film", "no-such-preset", *arguments]
+    done = subprocess.run([*COMMAND, *line], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False)
+    assert done.returncode in (1, 2)
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_preset_with_a_byte_order_mark_is_read(tmp_path):
+    (tmp_path / "x.toml").write_text('title = "Marked"\r\nbase = "delft/avoidance-10"\r\n', encoding="utf-8-sig")
+    done = subprocess.run([*COMMAND, "show", "x.toml"], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False)
+    assert 'title = "Marked"' in done.stdout
+
+
+def test_rates_of_television_on_the_command_line(tmp_path):
+    line = ["film", "delft/avoidance-10", "--set", "world.ticks=2", "--size", "64x64", "--quiet", "-o", "a.mp4"]
+    for rate in ("29.97", "30000/1001"):
+        done = subprocess.run(
+            [*COMMAND, *line, "--fps", rate], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
