@@ -211,7 +211,10 @@ export class Stage {
 
   /** Show everything again. */
   home() {
-    for (const { lens } of this.scenes) lens.home();
+    for (const scene of this.scenes) {
+      scene.held = false;
+      scene.lens.home();
+    }
     this.following = false;
     this.touched();
   }
@@ -257,7 +260,10 @@ export class Stage {
 
   /** Drag all scenes. @param {number} dx @param {number} dy canvas px */
   drag(dx, dy) {
-    for (const { lens } of this.scenes) lens.drag(dx, dy);
+    for (const scene of this.scenes) {
+      scene.held = true;
+      scene.lens.drag(dx, dy);
+    }
     if (!(this.scenes[0].lens instanceof Orbit)) this.following = false;
     this.touched();
   }

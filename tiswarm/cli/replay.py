@@ -12,6 +12,9 @@ from tiswarm.cli.options import Precision, Quiet, Seed, Sets, StrategyPath, Thre
 MOST = 400
 """Recordings that a gallery shows."""
 
+HEAVY = 60_000_000
+"""Pages of more bytes than this take browsers long to open."""
+
 
 def replay(
     sources: Annotated[
@@ -70,7 +73,9 @@ def replay(
     path = render.replay(recordings, output or Path("out") / f"{name}.html", labels=labels, **chosen)
     if not quiet:
         count = f"{len(recordings)} recordings, " if len(recordings) > 1 else ""
-        out.print(f"{path}  ({count}{path.stat().st_size / 1000:.0f} kB; opens in any browser, needs no network)")
+        size = path.stat().st_size
+        hint = "a film suits so many agents better" if size > HEAVY else "opens in any browser, needs no network"
+        out.print(f"{path}  ({count}{size / 1000:.0f} kB; {hint})")
     if open_it and not webbrowser.open(path.resolve().as_uri()):
         raise WrongInput(f"--open: no browser found; open {path} yourself")
 

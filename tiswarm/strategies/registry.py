@@ -155,8 +155,8 @@ def _check_class(strategy: Any, kind: Kind, file: Path | str) -> None:
         raise ValueError(f"{file}: Weights is no dataclass; write @dataclass(frozen=True) above it")
     for field in fields(strategy.Weights):
         default = field.default
-        if field.name == "network" and field.type is str and getattr(strategy, "networked", False):
-            continue  # the name of a file
+        if field.name == "network" and getattr(strategy, "networked", False):
+            continue  # the file of a network, which scenario/network.py checks
         words = get_args(field.type) if get_origin(field.type) is Literal else ()
         if words and default not in words:
             raise ValueError(f"{file}: Weights.{field.name}: its default must be one of {', '.join(map(repr, words))}")
