@@ -95,8 +95,5 @@ def _draw(rules: Rules, race: Race, rounds: list[Round]) -> None:
         rows[:, None] & columns[None],
     )
     low, high = last.value
-    note = (
-        f"round {last.number}: value {last.solution.value:.3f} ({low:.3f} to {high:.3f}); {race.trials:,} trials a cell, "
-        f"seed {race.seed}\nframe: played by the prey; dot: met by both mixtures; ± half a 95 % interval"
-    )
+    note = f"round {last.number}, value {last.solution.value:.3f} ({low:.3f} to {high:.3f}); framed: the prey's mixture"
     heat([panel], race.folder / "payoff.png", rules.title, note, "share of prey that arrive", "prey", "predators")

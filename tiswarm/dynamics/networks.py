@@ -31,6 +31,17 @@ def tanh(x):
 
 
 @ti.func
+def sum_of(products: ti.template()):
+    """Add a list up in four strands, which do not wait for each other's additions."""
+    strands = [products[k] for k in ti.static(range(min(4, len(products))))]
+    for k in ti.static(range(4, len(products))):
+        strands[k % 4] += products[k]
+    for k in ti.static(range(1, len(strands))):
+        strands[0] += strands[k]
+    return strands[0]
+
+
+@ti.func
 def forward(shape: ti.template(), numbers: ti.template(), first, agents: ti.template(), scratch, inputs: ti.template()):
     """Write every layer's numbers into an agent's rows from `scratch` on, the outputs last.
 
@@ -39,9 +50,8 @@ def forward(shape: ti.template(), numbers: ti.template(), first, agents: ti.temp
     weight, row = first, scratch
     for j in range(shape.layers[1]):
         at = weight + j * (shape.layers[0] + 1)
-        total = numbers[at + shape.layers[0]]
-        for k in ti.static(range(shape.layers[0])):
-            total += numbers[at + k] * inputs[k]
+        total = sum_of([numbers[at + k] * inputs[k] for k in ti.static(range(shape.layers[0]))])
+        total += numbers[at + shape.layers[0]]
         agents[row + j] = total if ti.static(len(shape.layers) == 2) else tanh(total)
     for layer in ti.static(range(1, len(shape.layers) - 1)):
         weight += (shape.layers[layer - 1] + 1) * shape.layers[layer]
@@ -49,9 +59,8 @@ def forward(shape: ti.template(), numbers: ti.template(), first, agents: ti.temp
         row += shape.layers[layer]
         for j in range(shape.layers[layer + 1]):
             at = weight + j * (shape.layers[layer] + 1)
-            total = numbers[at + shape.layers[layer]]
-            for k in ti.static(range(shape.layers[layer])):
-                total += numbers[at + k] * agents[below + k]
+            total = sum_of([numbers[at + k] * agents[below + k] for k in ti.static(range(shape.layers[layer]))])
+            total += numbers[at + shape.layers[layer]]
             agents[row + j] = total if ti.static(layer == len(shape.layers) - 2) else tanh(total)
 
 
