@@ -119,6 +119,8 @@ def build(layout: Layout, types: Types) -> Starts:
                 store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
                 store(agents, a + rows.seen, fresh, lanes(0.0))
                 store(agents, a + rows.hit, fresh, lanes(0.0))
+                for row in ti.static(rows.travel):
+                    store(agents, a + row, fresh, lanes(0.0))
                 for row in range(rows.count, own_rows):  # the strategies' memory
                     store(agents, a + row, fresh, lanes(0.0))
 

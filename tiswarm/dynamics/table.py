@@ -60,6 +60,7 @@ class Frame:
     boundary: str
     wrap_sight: bool
     contact: str
+    swept: bool
     verlet: bool
     targeted: bool
     counts_hits: bool
@@ -81,6 +82,7 @@ class Frame:
             boundary=world.boundary,
             wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
             contact=world.contact,
+            swept=world.contact_test == "swept",
             verlet=world.scheme == "verlet",
             targeted=scenario.target.present,
             counts_hits=scenario.obstacles.contact == "count",
@@ -133,7 +135,7 @@ class Structure:
         return cls(frames.pop(), tuple(parts), hunted, terms)
 
 
-def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
+def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
@@ -156,6 +158,7 @@ def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleN
         hit=next(row),  # predators: touches prey; prey: has been inside an obstacle
         next_place=vector(),
         next_motion=vector(),
+        travel=vector() if swept else [],  # how far it came in the last tick, across a periodic edge, too
         heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
         label=next(row) if "groups" in measures else -1,
         trap=trap() if set(TRAPS) & set(measures) else None,
@@ -178,7 +181,7 @@ class Layout:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures)
+        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept)
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),

@@ -1,6 +1,6 @@
 """Choice: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
 
-from math import prod
+from math import hypot, prod
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
@@ -88,7 +88,8 @@ def reach_of(scenario: Scenario, kind: str) -> float:
         for name in registry.parts("prey", prey.strategy)
         if {"observe", "beware"} & vars(registry.load("prey", name)).keys()
     ]
-    touch = prey.radius + predators.radius
+    way = {kind: _step_of(scenario, kind) for kind in ("prey", "predators")}
+    touch = prey.radius + predators.radius + (way["prey"] + way["predators"] if _kills(scenario) else 0.0)
     if kind == "prey":
         return max([prey.perception, touch, *(mates for mates, _ in sights), 1e-6])
     if kind == "predators":
@@ -99,4 +100,35 @@ def reach_of(scenario: Scenario, kind: str) -> float:
         for name in registry.parts("avoidance", agents.avoidance)
         if {"field", "blocks", "look", "deflect"} & vars(registry.load("avoidance", name)).keys()
     ]
-    return scenario.obstacles.radius[1] + max([prey.radius, predators.radius, *heeds, 1e-6])
+    return scenario.obstacles.radius[1] + max([prey.radius + way["prey"], predators.radius + way["predators"], *heeds, 1e-6])
+
+
+def sweeps(scenario: Scenario) -> bool:
+    """Tell whether touches on the way count, and there is anything to touch."""
+    anything = _kills(scenario) or scenario.obstacles.count > 0 or scenario.target.present
+    return scenario.world.contact_test == "swept" and anything
+
+
+def _kills(scenario: Scenario) -> bool:
+    """Tell whether prey die of touching predators."""
+    return scenario.predators.count > 0 and scenario.world.contact in ("deadly", "eaten")
+
+
+def _step_of(scenario: Scenario, kind: str) -> float:
+    """Give how far agents of a kind come in a tick at most [m], 0 where no touch on the way counts.
+
+    A step of Verlet's takes half of the velocity at the start along, which no cap may have shortened yet.
+    """
+    if not sweeps(scenario):
+        return 0.0
+    agents = getattr(scenario, kind)
+    fastest = max(agents.max_speed, agents.min_speed)
+    if scenario.world.scheme == "verlet":
+        corners = zip(agents.spawn.velocity.low, agents.spawn.velocity.high, strict=True)
+        fastest = max(fastest, hypot(*(max(abs(low), abs(high)) for low, high in corners)))
+    kicks = [
+        registry.load("prey", name).kick_speed(agents.weights)
+        for name in (registry.parts("prey", agents.strategy) if kind == "prey" else ())
+        if "kick" in vars(registry.load("prey", name))
+    ]
+    return float(scenario.world.dt * (fastest + sum(kicks)))

@@ -62,6 +62,8 @@ class World(Part):
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
     # What a touch does: predator and prey both die, only the prey does, prey bounce off each other, or nothing.
     contact: Literal["deadly", "eaten", "bounce", "none"] = "deadly"
+    # When a touch counts: at places after a move, or wherever bodies come closest within a tick on straight ways.
+    contact_test: Literal["places", "swept"] = "swept"
     # How agents find their neighbours: by comparing all pairs, through a grid, or whichever is faster for so many.
     neighbours: Literal["auto", "all-pairs", "grid"] = "auto"
     areas: tuple[Area, ...] = ()

@@ -1,12 +1,13 @@
 """Simulation: large swarms, one or many at once; eight agents that follow each other in cell order are a thread's lanes."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from operator import index
 
 import numpy as np
 
 from tiswarm.dynamics.table import Layout, Structure
-from tiswarm.engine.choice import check
+from tiswarm.engine.choice import check, sweeps
 from tiswarm.engine.swarms import initial
 from tiswarm.engine.swarms.state import Crowds
 from tiswarm.records.labels import grouped, named
@@ -66,7 +67,10 @@ class Swarm(Crowds):
         elif start is not None:
             scenario = start.applied(scenario)
         check(scenario)
-        layout = Layout(Structure.of([scenario], scenario.predators.count, terms=terms), runtime.types().lanes)
+        structure = Structure.of([scenario], scenario.predators.count, terms=terms)
+        if not sweeps(scenario):  # nobody asks then how far agents came, and nothing need be kept
+            structure = replace(structure, frame=replace(structure.frame, swept=False))
+        layout = Layout(structure, runtime.types().lanes)
         if isinstance(start, Start):
             states = initial.given(start, trials)
         else:

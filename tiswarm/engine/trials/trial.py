@@ -164,6 +164,7 @@ class Single:
         rows[self._rows.alive] = here
         for row, values in zip([*self._rows.place, *self._rows.motion], np.hstack([position, velocity]).T, strict=True):
             rows[row] = np.where(here, values, rows[row])
+        rows[self._rows.travel] = 0  # nobody came from anywhere
         self._advance(0)  # the fields at the new places
 
 

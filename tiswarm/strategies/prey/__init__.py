@@ -52,6 +52,11 @@ class Prey:
         return inf, inf
 
     @staticmethod
+    def kick_speed(weights):
+        """Give how long a `kick` is at most [m/s]: large swarms look so much farther for what is touched on the way."""
+        return inf
+
+    @staticmethod
     def states(memory, weights):
         """Name states for recordings: {name: [agent] bool} from memory as {name: [agent]}."""
         return {}
