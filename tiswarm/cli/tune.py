@@ -75,6 +75,7 @@ def tune(
     quiet: Quiet = False,
 ) -> None:
     """Find numbers that make an objective large, validated on new trials. A search cut short goes on where it stopped."""
+    # Long by its options: a verb's signature is its help.
     from tiswarm.cli import tune_figures
     from tiswarm.cli.tune_table import watching
     from tiswarm.learning import keys
