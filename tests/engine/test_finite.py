@@ -1,5 +1,6 @@
 """A state that is not finite ends a run by one line that says where, and is never averaged."""
 
+import numpy as np
 import pytest
 
 import tiswarm
@@ -61,8 +62,6 @@ def test_a_batch_names_trial_tick_agent_and_strategy(divider):
 
 
 def test_trials_of_numbers_of_their_own_are_named(divider):
-    import numpy as np
-
     late = np.where(np.arange(20) == 13, 2.0, 100.0)
     left = np.full(20, -1e5)
     with pytest.raises(ValueError, match=r"^trial 13, tick 3: prey 0"):
@@ -77,3 +76,11 @@ def test_a_large_swarm_is_refused_at_its_end(divider):
 
 def test_finite_trials_pass(divider):
     assert len(tiswarm.simulate(divider.replaced({"prey.weights.from_tick": 100}), 20, 3).alive) == 20
+
+
+def test_a_built_in_strategy_under_wild_gains_is_refused(f32):
+    wild = {"prey.strategy": "potential", "prey.spacing": 1e6, "prey.separation": 1e6, "prey.goal": -1e3, "prey.max_speed": 1e3}
+    scenario = tiswarm.load("sanitation/arena", {**wild, "prey.perception": 5, "world.ticks": 20})
+    assert scenario.prey.drive == "unicycle"
+    with pytest.raises(ValueError, match=r"trial \d, tick \d+: prey \d+ .* strategy 'potential'"):
+        tiswarm.simulate(scenario, 8, 0)

@@ -95,8 +95,8 @@ def build(layout: Layout) -> Steps:
             most = numbers[n + columns.max_turn]
             speed = x * course[0] + y * course[1]
             rate = (x * course[1] - y * course[0]) / numbers[n + columns.ahead]
-            speed = larger(smaller(speed, me.max_speed), -1.0 * me.max_speed)
-            angle = numbers[n + at.dt] * larger(smaller(rate, most), -1.0 * most)
+            speed = larger(-1.0 * me.max_speed, smaller(me.max_speed, speed))  # in this order, so that no number stays none
+            angle = numbers[n + at.dt] * larger(-1.0 * most, smaller(most, rate))
             c = cosine(angle)
             s = sine(angle)
             agents[a + rows.heading[0]] = c * x - s * y

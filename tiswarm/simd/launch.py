@@ -21,12 +21,12 @@ def run(kernel: Any, *arguments: Any, precision: Precision | None = None) -> Non
         kernel(*arguments)
 
 
-def prepared(kernel: Any, *arguments: np.ndarray | int) -> Callable[..., None]:
+def prepared(kernel: Any, *arguments: np.ndarray | int, precision: Precision) -> Callable[..., None]:
     """Give what runs a kernel on these arrays (contiguous ones, which stay where they are) and whole numbers.
 
-    It takes new values for the last of the numbers. Errors, of what is given: as runtime.held.
+    It takes new values for the last of the numbers. precision: what the arrays were made in. Errors, of what is given: as
+    runtime.held.
     """
-    precision = runtime.start().precision
     bound: Callable[..., None]
     of = -1
 

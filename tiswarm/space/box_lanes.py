@@ -33,7 +33,7 @@ def wrap(place, size):
 def clamp(place, size, radius):
     """Keep the centre of a body between walls, in their middle if it is wider than the world."""
     low = smaller(radius, 0.5 * size)
-    return larger(smaller(place, size - low), low)
+    return larger(low, smaller(size - low, place))  # in this order, so that no number stays none
 
 
 @ti.func

@@ -99,9 +99,11 @@ class Grid:
         self.reals[PER_METRE : PER_METRE + space.dimensions] = self.plan.per_metre
         self.reals[PERIOD : PERIOD + space.dimensions] = space.size
         if self.chunks == 1:
-            self._sort = launch.prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows)
+            self._sort = launch.prepared(self.funcs.sort_alone, self.agents, self.whole, self.rows, precision=self.precision)
         else:
-            self._sort = launch.prepared(self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK)
+            self._sort = launch.prepared(
+                self.funcs.sort, self.agents, self.whole, self.rows, self.chunks * TASK, precision=self.precision
+            )
 
     @property
     def nbytes(self) -> int:

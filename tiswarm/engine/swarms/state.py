@@ -214,7 +214,7 @@ class Crowds:
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         """Run a kernel on arrays that stay where they are, and whole numbers behind them: the call is made ready once."""
         if name not in self._ready:
-            self._ready[name] = prepared(self._kernel(name), *arguments)
+            self._ready[name] = prepared(self._kernel(name), *arguments, precision=self._prey.grid.precision)
         self._ready[name](*(each for each in arguments if isinstance(each, int)))
 
     def _everything(self, moving: str) -> tuple[np.ndarray, ...]:
