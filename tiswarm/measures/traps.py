@@ -9,7 +9,7 @@ from tiswarm.simd.lanes import dot, place
 
 
 def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
-    """Build `watch`.
+    """Build `pursue`, for one agent, and `watch`, for all of a block's trials.
 
     Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; total, the sum of its ways
     from the anchor [m]; held, the window's age [ticks]; path, how far it went in it [m]; counted, how much of `held` is in
@@ -71,6 +71,12 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
             prey[a + rows.most] = ti.select(stuck, 0.0, prey[a + rows.most])
 
     @ti.func
+    def pursue(prey: ti.template(), a, me: ti.template(), numbers: ti.template(), b, starts, here):
+        """Take one state of a prey in. starts: where it is the first of a trial; here: where the prey is alive."""
+        follow(prey, a, me, numbers, b, starts, here)
+        count_in(prey, a, numbers, b, starts, here)
+
+    @ti.func
     def watch(prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
         """Follow all prey; give how many were ever trapped, for how long together [ticks], and their spin and most [m²]."""
         caught, time, spin, most = lanes(0.0), lanes(0.0), lanes(0.0), lanes(0.0)
@@ -79,8 +85,7 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
             a = (b * count + i) * prey_rows
             me = prey_mate(prey, a, i)
             here = unseen & (me.alive > 0.5)
-            follow(prey, a, me, numbers, b, starts, here)
-            count_in(prey, a, numbers, b, starts, here)
+            pursue(prey, a, me, numbers, b, starts, here)
             caught += ti.select(prey[a + rows.time] > 0.5, 1.0, 0.0)
             time += prey[a + rows.time]
             if ti.static(milling):
@@ -88,4 +93,4 @@ def build(layout: Layout, types: SimpleNamespace, see: SimpleNamespace):
                 most += prey[a + rows.most_sum]
         return caught, time, spin, most
 
-    return watch
+    return SimpleNamespace(pursue=pursue, watch=watch)
