@@ -1,6 +1,7 @@
 """Choice: whether a scenario's agents find each other by comparing all pairs or through a grid, and how far they look."""
 
 from math import hypot, prod
+from typing import Any
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
@@ -20,6 +21,19 @@ MOST_PAIRED = 10_000
 def engine_of(scenario: Scenario) -> str:
     """Name the engine that runs a scenario: "grid" or "all-pairs". Errors: as of by_grid."""
     return "grid" if by_grid(scenario) else "all-pairs"
+
+
+def reason_of(scenario: Scenario) -> str:
+    """Say in a few words why `engine_of` names that engine. Errors: as of by_grid."""
+    gridded, refused = by_grid(scenario), _refused(scenario)
+    if scenario.world.neighbours != "auto":
+        return f"world.neighbours = '{scenario.world.neighbours}'"
+    if gridded:
+        most = max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count)
+        return f"{most:,} agents" if most >= ALWAYS else f"{most:,} agents, most of them out of each other's reach"
+    if _pays(scenario):
+        return f"{refused} = {_told(scenario, refused)!r} compares all pairs"
+    return "few agents, or most in each other's reach"
 
 
 def by_grid(scenario: Scenario) -> bool:
@@ -56,12 +70,18 @@ def check(scenario: Scenario) -> None:
     """Raise ScenarioError for what a grid of neighbours cannot do."""
     path = _refused(scenario)
     if path:
-        told = scenario
-        for key in path.split("."):
-            told = getattr(told, key)
+        told = _told(scenario, path)
         raise ScenarioError(
             f"{path}: a grid of neighbours cannot do {told!r}; change it, or set world.neighbours to 'all-pairs'"
         )
+
+
+def _told(scenario: Scenario, path: str) -> Any:
+    """Give the value of a key."""
+    told: Any = scenario
+    for key in path.split("."):
+        told = getattr(told, key)
+    return told
 
 
 def _refused(scenario: Scenario) -> str:
@@ -71,8 +91,6 @@ def _refused(scenario: Scenario) -> str:
     refused = {
         "world.contact": world.contact == "bounce",
         "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
-        "measures.names": bool(scenario.measures.names),
-        "coverage.cell": scenario.coverage.cell > 0,
         "prey.strategy": any(registry.load("prey", name).networked for name in registry.parts("prey", prey.strategy)),
         "predators.strategy": any(registry.load("predators", name).networked for name in hunters)
         or any("survey" in vars(registry.load("predators", name)) for name in hunters),

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from tiswarm.engine.choice import engine_of
-from tiswarm.engine.swarms import simulation as swarms
+from tiswarm.engine.swarms.batch import outcomes
+from tiswarm.engine.swarms.simulation import Alone
 from tiswarm.engine.trials import batch
 from tiswarm.engine.trials.batch import Finished, Progress
 from tiswarm.engine.trials.trial import Single
@@ -84,8 +85,8 @@ def _run_apart(
         for scenario, engine in zip(scenarios, engines, strict=True):
             done = trials * len(results)
             if engine == "grid":
-                own = swarms.outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
-                results.append(Results.of(scenario, seed, runtime.start(), own, {}, None, engine))
+                own, measured = outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
+                results.append(Results.of(scenario, seed, runtime.start(), own, measured, None, engine))
             else:
                 results += batch.run([scenario], trials, seed, lambda here, _, done=done: report(done + here))  # type: ignore[misc]
             if finished is not None:
@@ -125,9 +126,9 @@ class Simulation:
             scenario = start.applied(scenario)
         self.engine = engine_of(scenario)
         self._terms = terms
-        self._own: Single | swarms.Alone
+        self._own: Single | Alone
         if self.engine == "grid":
-            self._own = swarms.Alone(scenario, self.seed, self.trial, start, terms=terms)
+            self._own = Alone(scenario, self.seed, self.trial, start, terms=terms)
         else:
             self._own = Single(scenario, self.seed, self.trial, start, terms=terms)
 

@@ -1,6 +1,6 @@
 """Simulation: large swarms, one or many at once; eight agents that follow each other in cell order are a thread's lanes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from operator import index
 
@@ -17,9 +17,6 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.simd import runtime
 from tiswarm.strategies import registry
-
-AT_ONCE = 262_144
-"""Agents of trials that run at once: they fill both cores, and not the memory."""
 
 MOST_TRIALS = 2**31 - 1
 
@@ -67,7 +64,8 @@ class Swarm(Crowds):
         elif start is not None:
             scenario = start.applied(scenario)
         check(scenario)
-        structure = Structure.of([scenario], scenario.predators.count, terms=terms)
+        unmeasured = scenario.replaced({"measures.names": [], "coverage.cell": 0})  # measures.py has kernels of its own
+        structure = Structure.of([unmeasured], scenario.predators.count, terms=terms)
         if not sweeps(scenario):  # nobody asks then how far agents came, and nothing need be kept
             structure = replace(structure, frame=replace(structure.frame, swept=False))
         layout = Layout(structure, runtime.types().lanes)
@@ -93,6 +91,12 @@ class Swarm(Crowds):
         if not self.mortal:
             return np.full((self.trials, crowd.grid.count), FATES[0])
         return np.array(FATES)[crowd.row(self._layout.rows.fate)[:, : crowd.grid.count].astype(int)]
+
+    @property
+    def hits(self) -> np.ndarray:
+        """Count the prey that have been inside an obstacle, where obstacles.contact only counts that: [trial]."""
+        crowd = self._prey
+        return crowd.row(self._layout.rows.hit).sum(axis=1) if self.mortal else np.zeros(self.trials)
 
     def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
         """Give the agents' memory: strategy -> name -> [trial, agent]."""
@@ -209,22 +213,3 @@ class Alone:
     def renumber(self, scenario: Scenario) -> None:
         """Take over the numbers of a scenario of the same structure and counts; they judge the state of now."""
         self._swarm.renumber(scenario)
-
-
-def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> dict[str, np.ndarray]:
-    """Run trials 0, 1, ... through a grid to their ends: name of an outcome (trials.OUTCOMES) -> [trial].
-
-    report: called with the number of trials done.
-    """
-    at_once = max(AT_ONCE // max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count, 1), 1)
-    found: list[dict[str, np.ndarray]] = []
-    for first in range(0, trials, at_once):
-        swarm = Swarm(scenario, seed, min(at_once, trials - first), first)
-        while not swarm.ended.all():
-            swarm.step()
-        names = ("alive", "arrived", "captured", "crashed")
-        counted = {name: swarm.counts[:, k] for k, name in enumerate(names)}
-        times = {"ticks": swarm.ended_at, "first_arrival": swarm.first_arrival, "last_arrival": swarm.last_arrival}
-        found.append(counted | times)
-        report(first + swarm.trials)
-    return {name: np.concatenate([each[name] for each in found]).astype(np.int32) for name in found[0]}
