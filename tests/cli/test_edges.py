@@ -194,3 +194,21 @@ def test_rates_of_television_on_the_command_line(tmp_path):
             [*COMMAND, *line, "--fps", rate], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False
         )
         assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_titles_of_a_users_file_are_data_on_the_terminal(tmp_path, capsys):
+    from rich.console import Console
+
+    from tiswarm import load
+    from tiswarm.studies.console import print_summary
+
+    class Titled:
+        scenario = load("delft/avoidance-10", {"title": "[red]\x1b[31mloud[/red]"})
+
+        def summary(self):
+            return {}
+
+    print_summary(Titled(), Console(width=100))
+    told = capsys.readouterr().out
+    assert "[red]" in told
+    assert "\x1b[31m" not in told

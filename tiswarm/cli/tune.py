@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from tiswarm.cli.options import (
@@ -20,6 +21,7 @@ from tiswarm.cli.options import (
     out,
     start,
 )
+from tiswarm.system.words import safe
 
 
 def tune(
@@ -157,5 +159,5 @@ def print_tuned(tuned: Any) -> None:
     for each in tuned.validations:
         cells = [f"{e.mean:.4f} ± {(e.high - e.low) / 2:.4f}" for e in (each.start, each.tuned)]
         away = each.difference
-        table.add_row(each.title, *cells, f"{away.mean:+.4f} ± {(away.high - away.low) / 2:.4f}")
+        table.add_row(escape(safe(each.title)), *cells, f"{away.mean:+.4f} ± {(away.high - away.low) / 2:.4f}")
     out.print(table)
