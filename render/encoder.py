@@ -20,6 +20,7 @@ from typing import IO
 
 from render.raster.framebuffer import Framebuffer
 from tiswarm.system.files import replacing, replacing_folder
+from tiswarm.system.progress import deferring_interrupts
 from tiswarm.system.words import reason, safe
 
 PLATES = 2
@@ -154,14 +155,16 @@ def encoder(
             part = stack.enter_context(replacing_folder(path) if form.folder else replacing(path))
             log = stack.enter_context(tempfile.TemporaryFile())
             # In a session of its own the encoder does not hear Ctrl-C: we end it, once, below.
-            process = subprocess.Popen(
-                _command(_output(part, form), size, rate, form, notes),
-                stdin=subprocess.PIPE,
-                stdout=log,
-                stderr=log,
-                bufsize=0,
-                start_new_session=True,
-            )
+            with deferring_interrupts():  # else nobody knew of the process, which would write on
+                process = subprocess.Popen(
+                    _command(_output(part, form), size, rate, form, notes),
+                    stdin=subprocess.PIPE,
+                    stdout=log,
+                    stderr=log,
+                    bufsize=0,
+                    start_new_session=True,
+                )
+                stack.callback(_end, process)
         except OSError as error:
             raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
         reel = Reel(blank)
@@ -180,6 +183,13 @@ def encoder(
             process.wait()
         if process.returncode or reel.broken:
             raise FilmError(f"{path}: the encoder failed: {_reason(process.returncode, log)}")
+
+
+def _end(process: subprocess.Popen) -> None:
+    """Let no encoder outlive its film: it would write on under a name that is gone."""
+    if process.poll() is None:
+        process.kill()
+        process.wait()
 
 
 def _output(part: Path, form: Format) -> str:

@@ -91,7 +91,7 @@ def trials(prey, numbers):
             single = Single(scenario, 0, number)
             while not single.ended:
                 single.step()
-            found.append(((single.fate("prey") == "arrived").sum(), single.ticks))
+            found.append(((single.fate("prey") == "arrived").sum(), single.age))
     return np.array(found)
 
 

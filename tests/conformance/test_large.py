@@ -53,7 +53,7 @@ def every_strategy(monkeypatch):
     every += [base.replaced({"prey.avoidance": name, "predators.avoidance": name}) for name in AVOIDANCES]
     every += [base.replaced({"predators.strategy": name}) for name in HUNTERS]
     joint = Structure.of(every, 1)
-    monkeypatch.setattr(Structure, "of", classmethod(lambda *_: joint))
+    monkeypatch.setattr(Structure, "of", classmethod(lambda *_, **__: joint))
     return base
 
 

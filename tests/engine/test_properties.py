@@ -94,7 +94,13 @@ scenarios = st.fixed_dictionaries(
 EVERY = [
     tiswarm.load(
         "delft/pronav-10",
-        {"world.ticks": 1, "prey.strategy": prey, f"{kind}.avoidance": avoidance, "predators.strategy": predator},
+        {
+            "world.ticks": 1,
+            "world.contact_test": "swept",
+            "prey.strategy": prey,
+            f"{kind}.avoidance": avoidance,
+            "predators.strategy": predator,
+        },
     )
     for prey in registry.names("prey")
     for kind in ("prey", "predators")

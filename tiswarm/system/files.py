@@ -3,14 +3,15 @@
 import errno
 import os
 import re
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Lock
 
 from tiswarm.system.owner import Owner
+from tiswarm.system.progress import begin_work
 
 _TEMPORARY = re.compile(r"\..*\.([0-9a-f]{8})-(\d{1,9})-([0-9a-f]*)\.\w{8}\.part(\.[^.]+)?", re.DOTALL)
 """Names of temporary files and folders: whose they are."""
@@ -32,10 +33,10 @@ def replacing(path: Path, durable: bool = False) -> Iterator[Path]:
     with _named(path):
         if path.is_dir():
             raise IsADirectoryError(errno.EISDIR, "is a folder; name a file")
-        descriptor, name = tempfile.mkstemp(*_temporary(path), dir=_swept_folder(path.parent))
-        os.close(descriptor)
-        part = Path(name)
-        try:
+        begin_work()  # from here on a signal must leave time to clean up
+        part = _swept_folder(path.parent) / _temporary(path)
+        try:  # before the file is there: a signal may be heard as soon as it is
+            part.touch(0o600, exist_ok=False)
             yield part
             part.chmod(0o666 & ~_umask())
             if durable:
@@ -58,8 +59,10 @@ def replacing_folder(path: Path) -> Iterator[Path]:
     with _named(path):
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
             raise FileExistsError(errno.EEXIST, "is there already and not an empty folder")
-        part = Path(tempfile.mkdtemp(*_temporary(path), dir=_swept_folder(path.parent)))
+        begin_work()
+        part = _swept_folder(path.parent) / _temporary(path)
         try:
+            part.mkdir(0o700)
             yield part
             part.chmod(0o777 & ~_umask())
             part.replace(path)
@@ -84,10 +87,10 @@ def _beyond_links(path: Path) -> Path:
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
-def _temporary(path: Path) -> tuple[str, str]:
-    """Give suffix and prefix of a temporary name beside `path`: it says whose it is, and is short even where `path` is long."""
+def _temporary(path: Path) -> str:
+    """Give a temporary name to stand beside `path`: it says whose it is, and is short even where `path` is long."""
     suffix = path.suffix if len(path.suffix) <= 16 else ""
-    return f".part{suffix}", f".{path.stem[:30]}.{Owner.this().mark}."
+    return f".{path.stem[:30]}.{Owner.this().mark}.{secrets.token_hex(4)}.part{suffix}"
 
 
 def _swept_folder(folder: Path) -> Path:

@@ -12,6 +12,7 @@ INTERRUPTED = 130
 
 _ended: BaseException | None = None
 _at_work = False
+_deferred = False
 
 
 def listen_for_interrupts() -> None:
@@ -29,12 +30,25 @@ def listen_for_interrupts() -> None:
                 os.write(2, b"tiswarm: interrupted; nothing half-written is left\n")
             os._exit(code)
         _ended = KeyboardInterrupt() if code == INTERRUPTED else SystemExit(code)
-        raise _ended
+        if not _deferred:
+            raise _ended
 
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # not every system has the last
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup wants it ignored
             signal.signal(number, hear)
+
+
+@contextmanager
+def deferring_interrupts() -> Iterator[None]:
+    """Hear signals at the end only: for a step that must not be left half-way, such as the start of another process."""
+    global _deferred
+    _deferred = True
+    try:
+        yield
+    finally:
+        _deferred = False
+    heed_interrupts()
 
 
 def heed_interrupts() -> None:
