@@ -181,7 +181,7 @@ def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarra
     Whoever meets the part of an obstacle that lies beyond an edge meets it there.
     """
     world = subject.scenario.world
-    if world.boundary != "periodic" or not len(radii):
+    if not box.wraps(world.boundary) or not len(radii):
         return centres, radii
     size = np.array(world.size[: centres.shape[1]], float)
     ways = np.stack(np.meshgrid(*[(0, 1, -1)] * len(size), indexing="ij"), axis=-1).reshape(-1, len(size))  # itself first

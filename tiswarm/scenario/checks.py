@@ -26,6 +26,7 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{side}.{role}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
     kind: registry.Side
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
+        _check_edges(kind, agents, scenario.world.boundary)
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
         _check_needed(kind, agents)
@@ -51,6 +52,16 @@ def _check_step(kind: str, agents: "Agents", dt: float) -> None:
         if speed * dt > LONGEST_STEP:
             told = f"{speed:g} m/s are {speed * dt:g} m in a tick of {dt:g} s"
             raise ScenarioError(f"{kind}.{key}: {told}; lower it or world.dt to {LONGEST_STEP:g} m a tick or less")
+
+
+def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:
+    """Refuse strategies that need a world with edges, or a point from which all places are counted, where there is none."""
+    where: registry.Kind
+    for key, where in (("strategy", kind), ("avoidance", "avoidance")):
+        for part in registry.parts(where, getattr(agents, key)) if box.wraps(boundary) else ():
+            if not registry.load(where, part).periodic and (kind == "prey" or agents.count):
+                told = f"'{part}' has no meaning in a world without edges; use another, or world.boundary 'open' or 'walls'"
+                raise ScenarioError(f"{kind}.{key}: {told}")
 
 
 def _check_flat(kind: registry.Kind, agents: "Agents", dim: int) -> None:

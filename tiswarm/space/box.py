@@ -35,6 +35,23 @@ def displacement(way: np.ndarray, period: np.ndarray) -> np.ndarray:
     return way - period * np.floor(way / _length(period) + 0.5)
 
 
+def about_first(place: np.ndarray, period: np.ndarray) -> np.ndarray:
+    """Move places [..., agent, dim] to the images nearest to the first agent that is there; NaN for those who are gone.
+
+    The plain mean of what this gives is the mean place of a swarm that an edge may cut: about one of its own, not by angles
+    around the world, so that a swarm in one piece has the mean that it has without edges, to the bit.
+    """
+    first = np.isfinite(place).all(axis=-1).argmax(axis=-1)[..., None, None]
+    origin = np.take_along_axis(place, np.broadcast_to(first, (*first.shape[:-1], place.shape[-1])), axis=-2)
+    return np.where(period > 0, origin + displacement(place - origin, period), place)
+
+
+def images(place: np.ndarray, period: np.ndarray) -> np.ndarray:
+    """Give places [point, dim] with all their images one world further: [image, dim], those of the world itself first."""
+    turns = np.stack(np.meshgrid(*[(0, 1, -1) if each > 0 else (0,) for each in period], indexing="ij"), axis=-1)
+    return (turns.reshape(-1, 1, len(period)) * period + place).reshape(-1, len(period))
+
+
 def wrap(place: np.ndarray, period: np.ndarray) -> np.ndarray:
     """Bring places [..., dim] back to 0 <= place < period, where that is not 0 [m]."""
     inside = place - period * np.floor(place / _length(period))

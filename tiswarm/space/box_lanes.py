@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from tiswarm.simd.lanes import larger, smaller
+from tiswarm.simd.lanes import components, larger, smaller
 from tiswarm.space import box
 
 
@@ -10,6 +10,19 @@ from tiswarm.space import box
 def displacement(way, size):
     """Take the shortest image of a difference of coordinates along a periodic axis of a length `size`."""
     return way - size * ti.floor(way / size + 0.5)
+
+
+@ti.func
+def shortest(me: ti.template(), way: ti.template()):
+    """Take the shortest image of a way, across the edges of a periodic world if the agent sees across them.
+
+    What hooks are given is near `me` already; this is for ways between two others, and to places that a strategy remembers.
+    """
+    lengths = ti.static(components(me, "period"))
+    short = [1.0 * w for w in ti.static(way)]
+    for k in ti.static(range(len(lengths))):
+        short[k] = displacement(short[k], lengths[k])
+    return short
 
 
 @ti.func
