@@ -33,6 +33,12 @@ class Cells:
         """Count the cells."""
         return self.across * self.up
 
+    @property
+    def middles(self) -> np.ndarray:
+        """Give the cells' middles: [cell, 2], m."""
+        numbers = np.arange(self.count)
+        return (np.stack([numbers % self.across, numbers // self.across], axis=1) + 0.5) * self.edge
+
     def of(self, spots: np.ndarray) -> np.ndarray:
         """Give the number of each point's cell [...], -1 outside the world. spots: [..., dim], m."""
         place = np.nan_to_num(spots[..., :2] / self.edge, nan=-1.0)
@@ -42,9 +48,8 @@ class Cells:
 
     def free(self, subject: Recording | Live) -> np.ndarray:
         """Tell which cells' middles lie inside the world and outside its obstacles: [cell], bool."""
-        numbers, size = np.arange(self.count), subject.scenario.world.size[:2]
-        middles = (np.stack([numbers % self.across, numbers // self.across], axis=1) + 0.5) * self.edge
-        free: np.ndarray = np.all(middles <= size, axis=1)
+        middles, size = self.middles, subject.scenario.world.size[:2]
+        free = box.inside(middles, size, subject.scenario.world.boundary)
         for centre, radius in zip(subject.obstacle_position[:, :2], subject.obstacle_radius, strict=True):
             way = box.displacement(middles - centre, box.period(size, subject.scenario.world.boundary))
             free = free & ((way**2).sum(axis=1) >= radius**2)
@@ -100,6 +105,8 @@ class Coverage:
                 cleaned = cells.around(_reaching_in(spots, world, self._reach[scene]), self._reach[scene])
                 first[cleaned] = np.minimum(first[cleaned], tick - 1 + share if tick else 0)
             first[-1] = np.inf
+            if box.rounded(world.boundary):
+                first[:-1][~box.inside(cells.middles, world.size[:2], world.boundary)] = np.inf
             tool = tool_radius(paths.subjects[scene].scenario)
             under = self._grids[scene].around(_reaching_in(places[mine, :2], world, tool), tool)
             self._swept[scene][under] = np.minimum(self._swept[scene][under], tick)

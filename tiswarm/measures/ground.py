@@ -14,7 +14,7 @@ def free_cells(cell: float, size: tuple[float, ...], boundary: str, centre: np.n
     """
     x, y = ((np.arange(ceil(length / cell)) + 0.5) * cell for length in size)
     places = np.stack(np.meshgrid(x, y), axis=-1)
-    free = (x <= size[0]) & (y <= size[1])[:, None]
+    free = box.inside(places, size, boundary)
     for own, r in zip(centre, radius, strict=True):
         free &= (box.displacement(places - own, box.period(size, boundary)) ** 2).sum(axis=-1) >= r**2
     return free

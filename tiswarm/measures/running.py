@@ -11,7 +11,7 @@ from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.scenario.measures import COVERED, TRAPS
 from tiswarm.simd.lanes import Together, anywhere, dot, larger, place, safe, smaller
 from tiswarm.simd.runtime import LANES, Func, Types
-from tiswarm.space import box
+from tiswarm.space import box, box_lanes
 
 # Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
 CLEAN, FREE, GROUND_ROWS = range(3)
@@ -216,7 +216,8 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
             for cell in range(cells):
                 x = (ti.cast(cell % across, types.real) + 0.5) * side
                 y = (ti.cast(cell // across, types.real) + 0.5) * side
-                outside = (x > numbers[b * width + at.size[0]]) | (y > numbers[b * width + at.size[1]])
+                size = [numbers[b * width + column] for column in ti.static(at.size)]
+                outside = box_lanes.beyond(frame.boundary, [x + lanes(0.0), y + lanes(0.0)], size)
                 under = ti.select(outside, 1.0, lanes(0.0))
                 for j in range(count):
                     obstacle = see.obstacle_at(obstacles, b, count, j)

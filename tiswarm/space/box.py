@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-Boundary = Literal["open", "periodic", "walls"]
+Boundary = Literal["open", "periodic", "walls", "disc"]
 
 # Other code asks these and compares no boundary itself: a new kind of edge answers here first.
 
@@ -18,6 +18,16 @@ def wraps(boundary: str) -> bool:
 def walled(boundary: str) -> bool:
     """Tell whether there are walls, along which agents slide, with a margin in which they turn away."""
     return boundary == "walls"
+
+
+def rounded(boundary: str) -> bool:
+    """Tell whether agents are reflected at the largest circle, or sphere, that the world's box holds."""
+    return boundary == "disc"
+
+
+def solid(boundary: str) -> bool:
+    """Tell whether something stands at the edge of the world that stops agents, and that films show."""
+    return walled(boundary) or rounded(boundary)
 
 
 def bounded(boundary: str) -> bool:
@@ -58,8 +68,16 @@ def wrap(place: np.ndarray, period: np.ndarray) -> np.ndarray:
     return np.where((inside >= period) & (period > 0), 0.0, inside)  # rounding may lift a tiny negative number to the period
 
 
-def inside(place: np.ndarray, size: Sequence[float]) -> np.ndarray:
+def disc(size: Sequence[float]) -> tuple[np.ndarray, float]:
+    """Give centre [dim] and radius of the largest disc, or ball, in a box [m]."""
+    return np.asarray(size, float) / 2, min(size) / 2
+
+
+def inside(place: np.ndarray, size: Sequence[float], boundary: str) -> np.ndarray:
     """Tell which places [..., dim] lie in the world, its edge included: [...]."""
+    if rounded(boundary):
+        centre, radius = disc(size)
+        return ((place - centre) ** 2).sum(axis=-1) <= radius**2
     return np.all((place >= 0) & (place <= np.asarray(size)), axis=-1)
 
 
