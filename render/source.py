@@ -90,4 +90,4 @@ def is_sky(subject: Recording | Live) -> bool:
     """Tell whether nothing in a world stands on a ground: no target, obstacle, area or wall."""
     world = subject.scenario.world
     bare = not target_of(subject) and not len(subject.obstacle_radius) and not world.areas
-    return bool(bare and not box.walled(world.boundary))
+    return bool(bare and not box.solid(world.boundary))

@@ -32,7 +32,7 @@ export function drawGround(view) {
   lens.place(header.size[0], 0);
   const [x1, y1] = [lens.x, lens.y];
   floor(view, x0, y0, x1, y1);
-  if (!header.sky || view.roams) grid(view, 0.06, unit / 2);
+  if ((!header.sky || view.roams) && header.boundary !== "disc") grid(view, 0.06, unit / 2);
   for (const area of header.areas) {
     lens.place(area.low[0], area.high[1]);
     const [ax, ay] = [lens.x, lens.y];
@@ -53,6 +53,14 @@ export function areaHue(label, theme) {
   return theme[words.includes("danger") ? "danger" : words.includes("safe") ? "safe" : "line"];
 }
 
+/**
+ * Give middle and radius of the largest circle in a box.
+ * @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @returns {[number, number, number]}
+ */
+function circle(x0, y0, x1, y1) {
+  return [(x0 + x1) / 2, (y0 + y1) / 2, Math.min(x1 - x0, y1 - y0) / 2];
+}
+
 /** @param {View} view @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
 function floor({ recording, lens, roams, below: shapes, theme, unit }, x0, y0, x1, y1) {
   const corner = 3 * unit;
@@ -61,6 +69,11 @@ function floor({ recording, lens, roams, below: shapes, theme, unit }, x0, y0, x
     const { x, y, width, height } = lens.rect;
     shapes.box(x, y, x + width, y + height, colour(theme.sky[0]));
     shapes.box(x, y, x + width, y + height, colour(theme.sky[1]), { alpha: 0, below: 1 });
+    return;
+  }
+  if (recording.header.boundary === "disc") {
+    const [x, y, radius] = circle(x0, y0, x1, y1);
+    shapes.disc(x, y, radius, colour(theme.world));
     return;
   }
   shapes.box(x0, y0, x1, y1, colour(theme.shadow), { alpha: theme.shadow_alpha * 0.7, corner: 2 * corner, soft: 28 * unit });
@@ -76,11 +89,17 @@ function floor({ recording, lens, roams, below: shapes, theme, unit }, x0, y0, x
 
 /** @param {View} view @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
 function edge({ recording, below: shapes, theme, unit }, x0, y0, x1, y1) {
-  if (recording.header.boundary !== "walls") {
+  if (!["walls", "disc"].includes(recording.header.boundary)) {
     shapes.box(x0, y0, x1, y1, colour(theme.line), { alpha: 0.22, corner: 3 * unit, stroke: 0.75 * unit });
     return;
   }
   const half = (WALL / 2) * unit;
+  if (recording.header.boundary === "disc") {
+    const [x, y, radius] = circle(x0, y0, x1, y1);
+    shapes.ring(x, y, radius + half, 2 * half, colour(theme.obstacle));
+    shapes.ring(x, y, radius + half, 1.2 * unit, colour(theme.obstacle_light), 0.9);
+    return;
+  }
   shapes.box(x0, y0, x1, y1, colour(theme.shadow), { alpha: 0.5 * theme.shadow_alpha, soft: 10 * unit, stroke: 2 * unit });
   const look = { corner: 2 * half, stroke: half };
   shapes.box(x0 - half, y0 - half, x1 + half, y1 + half, colour(theme.obstacle), look);

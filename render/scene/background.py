@@ -12,6 +12,7 @@ from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
 from render.theme import Theme
 from tiswarm.records.recording import Recording
+from tiswarm.scenario.model import World
 from tiswarm.space import box
 
 GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -52,7 +53,7 @@ def ground(
     for camera in cameras:
         low, high = _corners((0, 0), world.size[:2], camera)
         rows += [
-            NONE if is_sky(subject) and not lone else _grid(world.size, theme, unit, camera, 0.06, window if lone else None),
+            NONE if is_sky(subject) and not lone else _grid(world, theme, unit, camera, 0.06, window if lone else None),
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
             *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
@@ -69,6 +70,13 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
         overhead, horizon = (colour(each) for each in theme.sky)
         return [shade, boxes(low, high, overhead, corner=3 * unit), boxes(low, high, horizon, 0.0, 1.0, corner=3 * unit)]
     reach = np.hypot(*(high - low)) / 2
+    if box.rounded(subject.scenario.world.boundary):
+        middle, radius = (low + high) / 2, (high - low).min() / 2
+        return [
+            discs(middle, radius, theme["shadow"], theme.shadow_alpha * 0.7, soft=28 * unit),
+            discs(middle, radius, theme["world"]),
+            discs(middle, reach * 0.25, theme["glow"], theme.glow_alpha, soft=min(reach * 1.5, 2 * radius - reach * 0.5)),
+        ]
     return [
         shade,
         boxes(low, high, theme["world"], corner=3 * unit),
@@ -78,9 +86,16 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
 
 def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: float, alpha: float) -> list[np.ndarray]:
     """Draw the edge of the world: solid walls around it, or a fine line."""
-    if not box.walled(boundary):
+    if not box.solid(boundary):
         return [boxes(low, high, theme["line"], alpha, corner=3 * unit, stroke=0.75 * unit)]
     half = WALL / 2 * unit
+    if box.rounded(boundary):
+        middle, radius = (low + high) / 2, (high - low).min() / 2
+        return [
+            rings(middle, radius, 4 * unit, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit),
+            rings(middle, radius + half, 2 * half, theme["obstacle"]),
+            rings(middle, radius + half, 1.2 * unit, theme["obstacle_light"], 0.9),
+        ]
     return [
         boxes(low, high, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit, stroke=2 * unit),
         boxes(low - half, high + half, theme["obstacle"], corner=2 * half, stroke=half),
@@ -95,33 +110,58 @@ def _corners(low, high, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _grid(
-    size: tuple[float, ...], theme: Theme, wide: float, camera: Camera, alpha: float, window: np.ndarray | None = None
+    world: World, theme: Theme, wide: float, camera: Camera, alpha: float, window: np.ndarray | None = None
 ) -> np.ndarray:
     """Draw lines at round numbers of metres across a world, or across all that a window shows."""
-    (x0, y0), (x1, y1) = (0.0, 0.0), size[:2]
+    (x0, y0), (x1, y1) = (0.0, 0.0), world.size[:2]
     if window is not None:
         (x0, y1), (x1, y0) = camera.centre + (window.reshape(2, 2) - camera.middle) * (1, -1) / camera.scale
-    step = next((each for each in GRID_STEPS if max(size[:2]) / each <= LINES), GRID_STEPS[-1])
+    step = next((each for each in GRID_STEPS if max(world.size[:2]) / each <= LINES), GRID_STEPS[-1])
     across = np.arange(np.floor(x0 / step) + 1, np.ceil(x1 / step)) * step
     up = np.arange(np.floor(y0 / step) + 1, np.ceil(y1 / step)) * step
     starts = np.concatenate([np.stack([across, 0 * across + y0], 1), np.stack([0 * up + x0, up], 1)])
     ends = np.concatenate([np.stack([across, 0 * across + y1], 1), np.stack([0 * up + x1, up], 1)])
+    if box.rounded(world.boundary):
+        starts, ends = _chords(starts, ends, *box.disc(world.size[:2]))
     return capsules(camera.place(starts), camera.place(ends), wide / 2, wide / 2, theme["line"], alpha)
 
 
+def _chords(starts: np.ndarray, ends: np.ndarray, middle: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Cut lines [line, 2] along the axes to what of them lies in a circle."""
+    along = np.sign(ends - starts)
+    off = np.where(along == 0, starts - middle, 0)
+    half = radius**2 - (off**2).sum(axis=1, keepdims=True)
+    foot, reach = middle + off, along * np.sqrt(np.maximum(half, 0))
+    kept = half[:, 0] > 0
+    return (foot - reach)[kept], (foot + reach)[kept]
+
+
+def _ball(size: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Give both ends of the pieces of a ball's three great circles: [piece, 3], m."""
+    middle, radius = box.disc(size)
+    angle = np.linspace(0, 2 * np.pi, 97)
+    circle = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    circles = [middle + np.roll(circle, turn, axis=1) for turn in range(3)]
+    return np.concatenate([each[:-1] for each in circles]), np.concatenate([each[1:] for each in circles])
+
+
 def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -> np.ndarray:
-    """Draw the floor of a 3-D world, what stands on it, and the twelve edges of its room."""
+    """Draw the floor of a 3-D world, what stands on it, and the twelve edges of its room, or the circles of its ball."""
     size = subject.scenario.world.size
     (width, height), (bottom, top) = size[:2], heights(subject)
     corners = np.array([[x, y, z] for x in (0, width) for y in (0, height) for z in (bottom, top)], float)
     pairs = [(a, b) for a in range(8) for b in range(a) if (a ^ b) in (1, 2, 4)]
     spots, near = camera.place(corners), camera.nearness(corners)
     a, b = (np.array(ends) for ends in zip(*pairs, strict=True))
+    if box.rounded(subject.scenario.world.boundary):
+        ends = _ball(size)
+        spots, near = camera.place(np.concatenate(ends)), camera.nearness(np.concatenate(ends))
+        a, b = np.arange(2 * len(ends[0])).reshape(2, -1)
     floor = camera.place(np.array([(0, 0), (0, height), (width, height), (width, 0)], float))[None]
     rows = [
         quads(floor, theme["world"]),
         quads(floor, theme["glow"], 0.5 * theme.glow_alpha),
-        _grid(size, theme, 1.2 * unit, camera, 0.16),
+        _grid(subject.scenario.world, theme, 1.2 * unit, camera, 0.16),
         capsules(
             spots[a],
             spots[b],
@@ -181,7 +221,7 @@ def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarra
     Whoever meets the part of an obstacle that lies beyond an edge meets it there.
     """
     world = subject.scenario.world
-    if world.boundary != "periodic" or not len(radii):
+    if not box.wraps(world.boundary) or not len(radii):
         return centres, radii
     size = np.array(world.size[: centres.shape[1]], float)
     ways = np.stack(np.meshgrid(*[(0, 1, -1)] * len(size), indexing="ij"), axis=-1).reshape(-1, len(size))  # itself first

@@ -9,6 +9,8 @@ from render.scene.trajectories import Trajectories
 from render.source import Live
 from render.theme import Theme
 from tiswarm.records.recording import Recording
+from tiswarm.scenario.model import World
+from tiswarm.space import box
 
 FINE = 320
 """Cells along the world's longer side."""
@@ -31,6 +33,12 @@ class Cells:
         """Count the cells."""
         return self.across * self.up
 
+    @property
+    def middles(self) -> np.ndarray:
+        """Give the cells' middles: [cell, 2], m."""
+        numbers = np.arange(self.count)
+        return (np.stack([numbers % self.across, numbers // self.across], axis=1) + 0.5) * self.edge
+
     def of(self, spots: np.ndarray) -> np.ndarray:
         """Give the number of each point's cell [...], -1 outside the world. spots: [..., dim], m."""
         place = np.nan_to_num(spots[..., :2] / self.edge, nan=-1.0)
@@ -40,11 +48,11 @@ class Cells:
 
     def free(self, subject: Recording | Live) -> np.ndarray:
         """Tell which cells' middles lie inside the world and outside its obstacles: [cell], bool."""
-        numbers, size = np.arange(self.count), subject.scenario.world.size[:2]
-        middles = (np.stack([numbers % self.across, numbers // self.across], axis=1) + 0.5) * self.edge
-        free: np.ndarray = np.all(middles <= size, axis=1)
+        middles, size = self.middles, subject.scenario.world.size[:2]
+        free = box.inside(middles, size, subject.scenario.world.boundary)
         for centre, radius in zip(subject.obstacle_position[:, :2], subject.obstacle_radius, strict=True):
-            free = free & (((middles - centre) ** 2).sum(axis=1) >= radius**2)
+            way = box.displacement(middles - centre, box.period(size, subject.scenario.world.boundary))
+            free = free & ((way**2).sum(axis=1) >= radius**2)
         return free
 
     def around(self, spots: np.ndarray, reach: float) -> np.ndarray:
@@ -89,14 +97,18 @@ class Coverage:
         paths, prey = self._paths, np.flatnonzero(self._paths.is_prey & np.isfinite(places[:, 0]))
         for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):
             mine = prey[paths.scene[prey] == scene]
+            world = paths.subjects[scene].scenario.world
             step = paths.shortest(places[mine] - self._before[mine], mine)
             count = max(int(np.ceil(np.abs(step).max(initial=0) / cells.edge)), 1)
             for share in np.arange(1, count + 1) / count:
                 spots = paths.within(places[mine] - step * (1 - share), mine)[:, :2]
-                cleaned = cells.around(spots, self._reach[scene])
+                cleaned = cells.around(_reaching_in(spots, world, self._reach[scene]), self._reach[scene])
                 first[cleaned] = np.minimum(first[cleaned], tick - 1 + share if tick else 0)
             first[-1] = np.inf
-            under = self._grids[scene].around(places[mine, :2], tool_radius(self._paths.subjects[scene].scenario))
+            if box.rounded(world.boundary):
+                first[:-1][~box.inside(cells.middles, world.size[:2], world.boundary)] = np.inf
+            tool = tool_radius(paths.subjects[scene].scenario)
+            under = self._grids[scene].around(_reaching_in(places[mine, :2], world, tool), tool)
             self._swept[scene][under] = np.minimum(self._swept[scene][under], tick)
         self._before = places.copy()
 
@@ -124,6 +136,12 @@ class Coverage:
                 tiles[:, WINDOW] = scene
                 rows.append(tiles)
         return np.concatenate(rows)
+
+
+def _reaching_in(spots: np.ndarray, world: World, reach: float) -> np.ndarray:
+    """Add to points [point, 2] their images beyond the edges of a periodic world, as far as they reach into it."""
+    spots = box.images(spots, box.period(world.size[:2], world.boundary))
+    return spots[((spots >= -reach) & (spots <= np.array(world.size[:2]) + reach)).all(axis=1)]
 
 
 def tool_radius(scenario) -> float:

@@ -65,4 +65,4 @@ def test_lanes_confine_as_numpy_does(boundary, f64):
     assert (np.abs(out[3]) >= np.abs(place) - SIZE[0]).all()  # who is far away is brought near by `displacement` only
     stopped = (place < expected) & (rate < 0) | (place > expected) & (rate > 0) if boundary == "walls" else np.zeros(200, bool)
     assert (out[1] == np.where(stopped, 0, rate)).all()
-    assert box.inside(expected[:, None], SIZE[:1]).all() == box.bounded(boundary)
+    assert box.inside(expected[:, None], SIZE[:1], boundary).all() == box.bounded(boundary)

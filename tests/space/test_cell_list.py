@@ -105,7 +105,7 @@ def check(space, position, gone=None):
     return grid
 
 
-BOUNDARIES = ("open", "periodic", "walls")
+BOUNDARIES = ("open", "periodic", "walls", "disc")
 SIZES = {2: (24.0, 17.0), 3: (9.0, 7.0, 8.0)}
 
 

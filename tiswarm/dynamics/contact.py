@@ -98,7 +98,9 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
                 reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
                 inside = distance2 <= reach * reach
                 if anywhere(inside):
-                    push = p.strategy.field(away, safe(distance2), me, obstacle, target, weights)
+                    seen = see.obstacle_seen(me, obstacle, away)
+                    goal = see.image(me, target, numbers, b)
+                    push = p.strategy.field(away, safe(distance2), me, seen, goal, weights)
                     share = ti.select(inside, weights.on, 0.0)
                     for k in ti.static(range(dim)):
                         pull[k] += share * push[k]

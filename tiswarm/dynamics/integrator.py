@@ -124,6 +124,12 @@ def build(layout: Layout) -> Steps:
             to = [agents[a + row] for row in ti.static(rows.next_place)]
             rate = [agents[a + row] for row in ti.static(rows.next_motion)]
             size = [numbers[n + column] for column in ti.static(at.size)]
+            if ti.static(unicycle and box.rounded(frame.boundary)):
+                found = box_lanes.reflection(to, rate, size)
+                ahead = [agents[a + row] for row in ti.static(rows.heading)]
+                turned = box_lanes.reversed_across([found[0], found[1]], ahead, found[4])
+                for k in ti.static(range(2)):
+                    agents[a + rows.heading[k]] = ti.select(here, turned[k], agents[a + rows.heading[k]])
             box_lanes.confine(frame.boundary, to, rate, size, numbers[n + columns.radius])
             for k in ti.static(range(dim)):
                 if ti.static(frame.swept):

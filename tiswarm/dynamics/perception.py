@@ -13,6 +13,7 @@ from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, larger, motion, place
 from tiswarm.simd.runtime import Func, Types
+from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import flock, see_mate
 
 
@@ -128,6 +129,7 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
     hunted = layout.structure.hunted
+    wrapping, width = layout.structure.frame.wrap_sight, len(layout.paths)
     watched = watching(layout)
     terms = build_terms(layout, types, see)
 
@@ -164,23 +166,28 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             weights = see.weights_of(p, numbers, b)
             if ti.static("observe" in p.own):
-                first = prey_mate(here.prey, b * counts[0] * prey_rows, 0)
-                second = prey_mate(here.prey, (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows, 1)
+                first = see.image(me, prey_mate(here.prey, b * counts[0] * prey_rows, 0), numbers, b)
+                last = (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows
+                second = see.image(me, prey_mate(here.prey, last, 1), numbers, b)
                 for j in range(counts[0]):
                     mate = prey_mate(here.prey, (b * counts[0] + j) * prey_rows, j)
                     if j != here.i:
-                        p.strategy.observe(notes[k], me, mate, see.sight(me, mate, numbers, b), first, second, weights)
+                        away = see.sight(me, mate, numbers, b)
+                        seen = see.image(me, mate, numbers, b)
+                        p.strategy.observe(notes[k], me, seen, away, first, second, weights)
             if ti.static(hunted and "beware" in p.own):
                 for j in range(counts[1]):
                     hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
-                    p.strategy.beware(notes[k], me, hunter, see.sight(me, hunter, numbers, b), weights)
+                    away = see.sight(me, hunter, numbers, b)
+                    p.strategy.beware(notes[k], me, see.image(me, hunter, numbers, b), away, weights)
 
     @ti.func
     def chase(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), quarry: ti.template(), weights):
         """Let a predator strategy collect what it needs of single prey."""
         for j in range(here.counts[0]):
             each = prey_mate(here.prey, (here.b * here.counts[0] + j) * prey_rows, j)
-            p.strategy.observe(notes, me, each, see.sight(me, each, here.numbers, here.b), quarry, weights)
+            away = see.sight(me, each, here.numbers, here.b)
+            p.strategy.observe(notes, me, see.image(me, each, here.numbers, here.b), away, quarry, weights)
 
     @ti.func
     def blocked(p: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights):
@@ -189,7 +196,7 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
         for j in range(here.counts[2]):
             obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
             away = see.sight(me, obstacle, here.numbers, here.b)
-            found += p.strategy.blocks(me, course, away, obstacle, weights)
+            found += p.strategy.blocks(me, course, away, see.obstacle_seen(me, obstacle, away), weights)
         return found
 
     @ti.func
@@ -197,21 +204,33 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
         """Let an avoidance note what the obstacles tell about the course."""
         for j in range(here.counts[2]):
             obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
-            p.strategy.look(notes, me, course, see.sight(me, obstacle, here.numbers, here.b), obstacle, weights)
+            away = see.sight(me, obstacle, here.numbers, here.b)
+            p.strategy.look(notes, me, course, away, see.obstacle_seen(me, obstacle, away), weights)
 
     @ti.func
     def notice(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), weights):
         """Let a network note the obstacles."""
         for j in range(here.counts[2]):
             obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
-            p.strategy.notice(notes, me, obstacle, see.sight(me, obstacle, here.numbers, here.b), weights)
+            away = see.sight(me, obstacle, here.numbers, here.b)
+            p.strategy.notice(notes, me, see.obstacle_seen(me, obstacle, away), away, weights)
 
     @ti.func
-    def swarm_of(prey: ti.template(), b, count, age):
-        """Give the means over the alive prey, zero when there are none."""
+    def swarm_of(prey: ti.template(), numbers: ti.template(), b, count, age):
+        """Give the means over the alive prey, zero when there are none.
+
+        Where sight wraps, places are those nearest to the first prey that is alive: a mean about one of its own is the plain
+        mean of every swarm less than half a world wide. Means of angles are not, and cost a sine and a cosine an agent.
+        """
+        origin = [lanes(0.0) for _ in ti.static(range(dim))]
         swarm = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 1))], age)
         for i in range(count):
             mate = prey_mate(prey, (b * count + i) * prey_rows, i)
+            if ti.static(wrapping):
+                first = (mate.alive > 0.5) & (swarm.n < 0.5)
+                for k in ti.static(range(dim)):
+                    origin[k] = ti.select(first, place(mate)[k], origin[k])
+                    place(mate)[k] = box_lanes.displacement(place(mate)[k] - origin[k], numbers[b * width + layout.at.size[k]])
             swarm.n += mate.alive
             for k in ti.static(range(dim)):
                 place(swarm)[k] += mate.alive * place(mate)[k]
@@ -219,6 +238,8 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
         share = 1.0 / larger(swarm.n, 1.0)
         for k in ti.static(range(dim)):
             place(swarm)[k] = share * place(swarm)[k]
+            if ti.static(wrapping):
+                place(swarm)[k] = origin[k] + place(swarm)[k]
             motion(swarm)[k] = share * motion(swarm)[k]
         return swarm
 

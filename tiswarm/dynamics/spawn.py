@@ -5,12 +5,10 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.table import STAYS, TRIAL, Layout
+from tiswarm.dynamics.views import FAR
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import capped, dot, larger
 from tiswarm.simd.runtime import Func, Types
-
-FAR = 1e9
-"""Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
 
 TRIES = 32
 """Draws until a place is inside a ball or clear of others. One ball in 10¹⁰ needs more, and takes its centre; an obstacle that

@@ -128,7 +128,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             weights = see.weights_of(p, numbers, b)
             notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
             senses.look(p, notes, here, me, course, weights)
-            other = p.strategy.deflect(me, course, notes, target, dice, weights)
+            other = p.strategy.deflect(me, course, notes, see.image(me, target, numbers, b), dice, weights)
             for k in ti.static(range(dim)):
                 course[k] = ti.select(weights.on > 0.5, other[k], course[k])
 
@@ -183,6 +183,8 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
 
         here: for the senses; draw: for random numbers: key_low, key_high and lanes of trial, index and tick.
         """
+        flock = see.image(me, swarm, numbers, b)
+        aim = see.image(me, target, numbers, b)
         threat = see.Threat(*[lanes(0.0) for _ in ti.static(range(dim + 1))])
         notes = [p.Notes(*[lanes(0.0) for _ in p.note_names]) for p in ti.static(strategies)]
         orders = [1.0 * numbers[b * width + at.prey.goal], lanes(1.0), lanes(0.0), lanes(0.0)]
@@ -191,7 +193,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             for j, p in ti.static(enumerate(strategies)):
                 if ti.static(p.part in consults):
                     dice = dice_of(draw, philox.STRATEGY)
-                    consults[p.part](notes[j], here, prey, a, me, numbers, b, swarm, target, dice, orders)
+                    consults[p.part](notes[j], here, prey, a, me, numbers, b, flock, aim, dice, orders)
         course = pulled(prey, a, here, "prey", me, numbers, b)
         if ti.static(frame.targeted):
             way = see.sight(target, me, numbers, b)
@@ -206,7 +208,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
         note(prey, a, "prey", "field", course)
         steps.wall_turn(course, me, numbers, b)
         note(prey, a, "prey", "walls", course)
-        steered(course, here, prey, a, me, numbers, b, threat, swarm, notes)
+        steered(course, here, prey, a, me, numbers, b, threat, flock, notes)
         turned(course, here, "prey", me, numbers, b)
         note(prey, a, "prey", "turn", course)
         steps.prey.limited(course, me, numbers, b)
@@ -236,12 +238,14 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
         target: ti.template(),
     ):
         """V += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
+        chased = see.image(me, quarry, numbers, b)
+        aim = see.image(chased, target, numbers, b)  # where the prey go, from where they are
         orders = [1.0 * numbers[b * width + at.predators.goal], lanes(1.0), lanes(0.0), lanes(0.0)]
         for p in ti.static([p for p in pursuits if p.part in consults]):
             notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-            senses.chase(p, notes, here, me, quarry, see.weights_of(p, numbers, b))
+            senses.chase(p, notes, here, me, chased, see.weights_of(p, numbers, b))
             dice = dice_of(draw, philox.PREDATOR_STRATEGY)
-            consults[p.part](notes, here, predators, a, me, numbers, b, quarry, target, dice, orders)
+            consults[p.part](notes, here, predators, a, me, numbers, b, chased, aim, dice, orders)
         course = pulled(predators, a, here, "predators", me, numbers, b)
         for k in ti.static(range(dim)):
             course[k] += orders[1] * predators[a + rows.field[k]] if ti.static(chasing) else predators[a + rows.field[k]]
@@ -255,8 +259,8 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             weights = see.weights_of(p, numbers, b)
             notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
             if ti.static("observe" in p.own and p.part not in consults):
-                senses.chase(p, notes, here, me, quarry, weights)
-            way = p.strategy.pursue(me, quarry, target, notes, weights)
+                senses.chase(p, notes, here, me, chased, weights)
+            way = p.strategy.pursue(me, chased, aim, notes, weights)
             goal = orders[0]
             if ti.static(p.strategy.rules):
                 for k in ti.static(range(dim)):

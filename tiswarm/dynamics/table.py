@@ -205,7 +205,8 @@ class Layout:
             names += ["min_speed"] if kind in structure.frame.slow else []
             columns = {name: self._column(f"{kind}.{name}") for name in names}
             spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
-            setattr(self.at, kind, SimpleNamespace(**columns, **spawn))
+            period = {f"period_{'xyz'[k]}": self.at.size[k] for k in self.axes}
+            setattr(self.at, kind, SimpleNamespace(**columns, **spawn, **period))
         if self.rows.trap:
             self.at.trap = SimpleNamespace(**{name: self._column(f"measures.{name}") for name in ("window", "within", "path")})
         self._parts: list[SimpleNamespace] = []

@@ -6,9 +6,26 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics.table import Layout
-from tiswarm.simd.lanes import coordinates
+from tiswarm.simd.lanes import coordinates, minus, place
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box, box_lanes
+
+FAR = 1e9
+"""Where lanes with fewer obstacles than others keep the rest: out of everyone's reach [m]."""
+
+
+def _itself(_me, other, *_):
+    return other
+
+
+def _its_place(_me, other, _away):
+    return coordinates(other)
+
+
+def _plain(give):
+    """Let kernels call a function of Python: it hands on what it is given, and no instruction comes of it."""
+    give._is_taichi_function = False
+    return give
 
 
 @dataclass(frozen=True)
@@ -21,6 +38,7 @@ class Views:
     Threat: Any  # n: predators in sight; x, y: Σ (p - q) over them
     Swarm: Any  # alive prey: how many, mean position and velocity; ticks run
     Obstacle: Any
+    Spot: Any  # a place
     Dice: Any  # a, b: uniform in [0, 1)
     me_at: dict[str, Func]
     mate_at: dict[str, Func]
@@ -30,6 +48,9 @@ class Views:
     weights_of: Func
     sight: Func  # the way to me from what I see: across a periodic edge where that is shorter and sight wraps
     gap: Func  # the way to me from another body, whatever anybody sees
+    image: Func  # a copy of something, where it is nearest to me
+    spot: Func  # where I see something, from the way to it
+    obstacle_seen: Func  # an obstacle where I see it
 
 
 def build(layout: Layout, types: Types) -> Views:
@@ -54,6 +75,7 @@ def build(layout: Layout, types: Types) -> Views:
 
     state = axes("", "v")
     limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
+    limits += axes("period_") if wrap_sight else []
     own = {kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
     mates = {kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
     limits_struct, target_struct = struct(limits), struct([*axes(""), "radius"])
@@ -109,7 +131,10 @@ def build(layout: Layout, types: Types) -> Views:
         way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
         if ti.static(wrapped):
             for k in ti.static(range(dim)):
-                way[k] = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
+                short = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
+                if ti.static("alive" not in other.keys):  # an obstacle that a trial does not have stays far away
+                    short = ti.select(place(other)[k] < 0.5 * FAR, short, way[k])
+                way[k] = short
         return way
 
     @ti.func
@@ -122,6 +147,27 @@ def build(layout: Layout, types: Types) -> Views:
         """Give the way to me from another body, whatever anybody sees."""
         return away(me, other, numbers, b, periodic)
 
+    # Of what repeats itself, an agent sees the image that is nearest to it: what a hook is given lies where `away` says, and
+    # differences of places mean what they do in an open world. In other worlds these three give what they were given.
+
+    @ti.func
+    def image(me: ti.template(), other, numbers: ti.template(), b):
+        """Give a copy of something, where it is nearest to me."""
+        away = sight(me, other, numbers, b)
+        for k in ti.static(range(dim)):
+            place(other)[k] = place(me)[k] - away[k]
+        return other
+
+    @ti.func
+    def spot(me: ti.template(), other: ti.template(), away: ti.template()):  # noqa: ARG001 - as its sister
+        """Give where I see something that is `away` from me."""
+        return minus(place(me), away)
+
+    @ti.func
+    def obstacle_seen(me: ti.template(), obstacle: ti.template(), away: ti.template()):
+        """Give an obstacle where I see it."""
+        return target_struct(*spot(me, obstacle, away), lanes(obstacle.radius))
+
     return Views(
         Me=own,
         Mate=mates,
@@ -129,6 +175,7 @@ def build(layout: Layout, types: Types) -> Views:
         Threat=struct(["n", *axes("")]),
         Swarm=struct(["n", *state, "age"]),
         Obstacle=target_struct,
+        Spot=struct(axes("")),
         Dice=struct(["a", "b"]),
         me_at={kind: me_at for kind, (me_at, _) in seen.items()},
         mate_at={kind: mate_at for kind, (_, mate_at) in seen.items()},
@@ -138,4 +185,7 @@ def build(layout: Layout, types: Types) -> Views:
         weights_of=weights_of,
         sight=sight,
         gap=gap,
+        image=image if wrap_sight else _plain(_itself),
+        spot=spot if wrap_sight else _plain(_its_place),
+        obstacle_seen=obstacle_seen if wrap_sight else _plain(_itself),
     )

@@ -4,16 +4,19 @@ from math import ceil
 
 import numpy as np
 
+from tiswarm.space import box
 
-def free_cells(cell: float, size: tuple[float, ...], centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
+
+def free_cells(cell: float, size: tuple[float, ...], boundary: str, centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Tell which cells' centres lie inside a flat world and outside obstacles: [row, column].
 
     cell: side of a cell [m]; centre: [obstacle, 2], radius: [obstacle], m.
     """
     x, y = ((np.arange(ceil(length / cell)) + 0.5) * cell for length in size)
-    free = (x <= size[0]) & (y <= size[1])[:, None]
-    for (cx, cy), r in zip(centre, radius, strict=True):
-        free &= (x - cx) ** 2 + ((y - cy) ** 2)[:, None] >= r**2
+    places = np.stack(np.meshgrid(x, y), axis=-1)
+    free = box.inside(places, size, boundary)
+    for own, r in zip(centre, radius, strict=True):
+        free &= (box.displacement(places - own, box.period(size, boundary)) ** 2).sum(axis=-1) >= r**2
     return free
 
 

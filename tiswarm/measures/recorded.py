@@ -31,11 +31,13 @@ def polarisation(recording: Recording) -> np.ndarray:
 def milling(recording: Recording) -> np.ndarray:
     """Give how far alive prey turn about their mean place c, |Σ u(x - c) × u(v)|/n: [tick], 0 to 1, NaN where nobody is alive.
 
-    In a periodic world c is the mean of the places as they are: a flock that straddles an edge has none of its own.
+    In a periodic world c is the mean of the images nearest to the first prey that is alive.
     """
-    alive, position, velocity = _alive(recording)
+    alive, _, velocity = _alive(recording)
+    position = np.where(alive[..., None], box.about_first(recording.prey.position, recording.period), 0.0)
     count = np.maximum(alive.sum(axis=1), 1)[:, None, None]
-    way = np.where(alive[..., None], position - position.sum(axis=1, keepdims=True) / count, 0.0)
+    way = position - position.sum(axis=1, keepdims=True) / count
+    way = np.where(alive[..., None], recording.shortest(way), 0.0)
     flat = ((0, 0), (0, 0), (0, 3 - recording.dim))
     spin = np.cross(np.pad(_units(way), flat), np.pad(_units(velocity), flat))
     return _mean(np.linalg.norm(spin.sum(axis=1), axis=-1), alive)
@@ -134,16 +136,21 @@ def ground(recording: Recording) -> Ground:
     side = recording.scenario.coverage.cell
     if not side:
         raise ValueError("coverage: the scenario has no grid; set coverage.cell")
-    free = free_cells(side, recording.scenario.world.size, recording.obstacle_position, recording.obstacle_radius)
+    world = recording.scenario.world
+    free = free_cells(side, world.size, world.boundary, recording.obstacle_position, recording.obstacle_radius)
     down, across = free.shape
     reach = recording.scenario.coverage.tool / side
     window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
     visits = np.zeros(free.size)
     swept, total, squares = np.zeros((3, recording.ticks + 1))
     for tick, _, places in _states(recording):
-        x, y = (places / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
+        x, y = (box.images(places, recording.period) / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
         columns, rows = (np.maximum(np.ceil(each - reach), 0).astype(int) + window for each in (x, y))
         off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
+        if recording.period.any():  # a tool wider than the world is under a cell but once
+            half_x, half_y = recording.period / side / 2
+            near_x, near_y = ((way <= half) & (-half < way) for way, half in ((columns - x, half_x), (rows - y, half_y)))
+            off[~(near_x[:, None, :] & near_y[:, :, None])] = np.inf
         under = (off <= reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
         cells = (rows[:, :, None] * across + columns[:, None, :])[under]
         cells, times = np.unique(cells[free.flat[cells]], return_counts=True)

@@ -9,8 +9,9 @@ from tiswarm.dynamics.views import Views
 from tiswarm.measures import formulas, traps
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.scenario.measures import COVERED, TRAPS
-from tiswarm.simd.lanes import Together, anywhere, dot, larger, safe, smaller
+from tiswarm.simd.lanes import Together, anywhere, dot, larger, place, safe, smaller
 from tiswarm.simd.runtime import LANES, Func, Types
+from tiswarm.space import box, box_lanes
 
 # Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
 CLEAN, FREE, GROUND_ROWS = range(3)
@@ -36,6 +37,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
+    wraps = box.wraps(frame.boundary)
     names = frame.measures
     height = 2 * len(names) + GROUND_ROWS
     across, down = frame.cells
@@ -58,20 +60,26 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
         sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
 
     @ti.func
-    def measure_motion(sums: ti.template(), prey: ti.template(), b, count, counted):
+    def measure_motion(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
         """Polarisation, mean speed, milling, kinetic energy, hits."""
         own = [lanes(0.0) for _ in ti.static(range(AHEAD + 2 * dim))]
+        origin = [lanes(0.0) for _ in ti.static(range(dim))]
+        period = [numbers[b * width + column] for column in ti.static(at.size if wraps else [])]
         spin = [lanes(0.0) for _ in ti.static(range(3))]
         hits = lanes(0.0)
         for i in range(count):
-            formulas.add_motion(own, prey_mate(prey, (b * count + i) * prey_rows, i))
+            me = prey_mate(prey, (b * count + i) * prey_rows, i)
+            if ti.static(wraps):
+                for k in ti.static(range(dim)):
+                    origin[k] = ti.select((me.alive > 0.5) & (own[COUNT] < 0.5), place(me)[k], origin[k])
+            formulas.add_motion(own, me, origin, period)
             hits += prey[(b * count + i) * prey_rows + rows.hit]
         share = 1.0 / larger(own[COUNT], 1.0)
         if ti.static("milling" in names):
             for i in range(count):
                 me = prey_mate(prey, (b * count + i) * prey_rows, i)
-                centre = [share * own[AHEAD + dim + k] for k in ti.static(range(dim))]
-                formulas.add_spin(spin, me, centre)
+                centre = [origin[k] + share * own[AHEAD + dim + k] for k in ti.static(range(dim))]
+                formulas.add_spin(spin, me, centre, period)
         there = counted & (own[COUNT] > 0.5)
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "polarisation"):
@@ -167,7 +175,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
 
     @ti.func
     def sweep(sums: ti.template(), ground: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, unseen):
-        """Count a visit of every cell whose centre lies under a prey's tool."""
+        """Count a visit of every cell whose centre lies under a prey's tool, or under its nearest image."""
         n = b * width
         s = b * height + ti.static(2 * len(names))
         for lane in range(LANES):
@@ -178,8 +186,9 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                     a = (b * count + i) * prey_rows
                     if prey[a + rows.alive][lane] > 0.5:
                         x, y = prey[a + rows.place[0]][lane], prey[a + rows.place[1]][lane]
+                        period = [numbers[n + column][lane] for column in ti.static(at.size if wraps else [])]
                         here = Together(sums=sums, ground=ground, b=b, lane=lane, clean=s + CLEAN)
-                        formulas.visit_cells(x, y, side, tool, across, down, visit, here)
+                        formulas.visit_cells(x, y, side, tool, across, down, period, visit, here)
 
     @ti.func
     def measure_ground(sums: ti.template(), numbers: ti.template(), clock: ti.template(), b, unseen):
@@ -207,12 +216,13 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
             for cell in range(cells):
                 x = (ti.cast(cell % across, types.real) + 0.5) * side
                 y = (ti.cast(cell // across, types.real) + 0.5) * side
-                outside = (x > numbers[b * width + at.size[0]]) | (y > numbers[b * width + at.size[1]])
+                size = [numbers[b * width + column] for column in ti.static(at.size)]
+                outside = box_lanes.beyond(frame.boundary, [x + lanes(0.0), y + lanes(0.0)], size)
                 under = ti.select(outside, 1.0, lanes(0.0))
                 for j in range(count):
                     obstacle = see.obstacle_at(obstacles, b, count, j)
-                    off = (x - obstacle.x) * (x - obstacle.x) + (y - obstacle.y) * (y - obstacle.y)
-                    under = larger(under, ti.select(off < obstacle.radius * obstacle.radius, 1.0, 0.0))
+                    off = see.gap(see.Spot(x + lanes(0.0), y + lanes(0.0)), obstacle, numbers, b)
+                    under = larger(under, ti.select(dot(off, off) < obstacle.radius * obstacle.radius, 1.0, 0.0))
                 ground[b * cells + cell] = ti.select(fresh, 0.0 - under, ground[b * cells + cell])
                 free += 1.0 - under
             s = b * height + ti.static(2 * len(names)) + FREE
@@ -250,7 +260,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                 after = smaller(numbers[b * width + at.after], numbers[b * width + at.ticks])
                 counted = unseen & (clock[b, AGE] > after - 0.5)
                 if anywhere(counted):
-                    measure_motion(sums, prey, b, counts[0], counted)
+                    measure_motion(sums, prey, numbers, b, counts[0], counted)
                     if ti.static(bool(pair_names)):
                         measure_pairs(sums, prey, numbers, b, counts[0], counted)
                     if ti.static("groups" in names):

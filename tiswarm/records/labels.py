@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tiswarm.scenario.model import Scenario
+from tiswarm.space import box
 from tiswarm.strategies import registry
 
 Memories = Mapping[str, Mapping[str, np.ndarray]]
@@ -23,7 +24,8 @@ def named(scenario: Scenario, kind: registry.Kind, position: np.ndarray, others:
     agents = getattr(scenario, kind)
     state = np.full(len(position), "calm", dtype="<U12")
     if len(position) * len(others) <= MOST_PAIRS:
-        state[_seen(position, others[np.isfinite(others[:, 0])], agents.perception)] = "alarmed"
+        period = box.period(scenario.world.size, scenario.world.boundary) * scenario.world.wrap_sight
+        state[_seen(position, others[np.isfinite(others[:, 0])], agents.perception, period[:2])] = "alarmed"
     for name, memory in memories.items():
         if memory:
             for label, members in registry.load(kind, name).states(memory, agents.weights).items():
@@ -32,12 +34,12 @@ def named(scenario: Scenario, kind: registry.Kind, position: np.ndarray, others:
     return state
 
 
-def _seen(position: np.ndarray, others: np.ndarray, perception: float) -> np.ndarray:
+def _seen(position: np.ndarray, others: np.ndarray, perception: float, period: np.ndarray) -> np.ndarray:
     """Tell who has any of the others within perception, as the crow flies in the plane: [agent], bool."""
     found = np.zeros(len(position), bool)
     rows = max(_ROWS // max(len(others), 1), 1)
     for first in range(0, len(position) if len(others) else 0, rows):
-        away = position[first : first + rows, None, :2] - others[None, :, :2]
+        away = box.displacement(position[first : first + rows, None, :2] - others[None, :, :2], period)
         found[first : first + rows] = (np.hypot(away[..., 0], away[..., 1]) <= perception).any(axis=1)
     return found
 

@@ -1,5 +1,6 @@
 """Checks: whether the parts of a scenario go together, each complaint one line that names the mend."""
 
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,7 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{side}.{role}: '{name}' works in {_worlds(able)} only; world.size has {dim} numbers")
     kind: registry.Side
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
+        _check_edges(kind, agents, scenario.world.boundary)
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
         _check_needed(kind, agents)
@@ -35,8 +37,10 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
         _check_step(kind, agents, scenario.world.dt)
         if box.bounded(scenario.world.boundary) and agents.count:
-            _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
+            ball = agents.spawn.shape == "ball"
+            _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size, scenario.world.boundary, ball)
         scenario.network(kind)
+    _check_target(scenario)
     _check_measures(scenario)
 
 
@@ -51,6 +55,24 @@ def _check_step(kind: str, agents: "Agents", dt: float) -> None:
         if speed * dt > LONGEST_STEP:
             told = f"{speed:g} m/s are {speed * dt:g} m in a tick of {dt:g} s"
             raise ScenarioError(f"{kind}.{key}: {told}; lower it or world.dt to {LONGEST_STEP:g} m a tick or less")
+
+
+def _check_target(scenario: "Scenario") -> None:
+    """Refuse a target that no prey can reach."""
+    target, world = scenario.target, scenario.world
+    if target.present and box.rounded(world.boundary) and not box.inside(np.array(target.position), world.size, world.boundary):
+        told = f"{list(target.position)} is outside the disc; move it within, or enlarge world.size"
+        raise ScenarioError(f"target.position: {told}")
+
+
+def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:
+    """Refuse strategies that need a world with edges, or a point from which all places are counted, where there is none."""
+    where: registry.Kind
+    for key, where in (("strategy", kind), ("avoidance", "avoidance")):
+        for part in registry.parts(where, getattr(agents, key)) if box.wraps(boundary) else ():
+            if not registry.load(where, part).periodic and (kind == "prey" or agents.count):
+                told = f"'{part}' has no meaning in a world without edges; use another, or world.boundary 'open' or 'walls'"
+                raise ScenarioError(f"{kind}.{key}: {told}")
 
 
 def _check_flat(kind: registry.Kind, agents: "Agents", dim: int) -> None:
@@ -93,8 +115,18 @@ def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:
     return [*vectors, ("target.position", scenario.target.position)] if scenario.target.present else vectors
 
 
-def _inside(path: str, region: "Box", size: tuple[float, ...]) -> None:
-    if not box.inside(np.array([region.low, region.high]), size).all():
+def _inside(path: str, region: "Box", size: tuple[float, ...], boundary: str, ball: bool) -> None:
+    low, high = np.array(region.low), np.array(region.high)
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    kept = box.inside(corners, size, boundary).all()
+    if ball and box.rounded(boundary):  # the farthest point of an ellipsoid is no farther than its longest axis
+        centre, radius = box.disc(size)
+        kept = np.linalg.norm((low + high) / 2 - centre) + (high - low).max() / 2 <= radius
+    if not kept and box.rounded(boundary):
+        centre, radius = box.disc(size)
+        told = f"within {radius:g} m of {centre.tolist()}"
+        raise ScenarioError(f"{path}: reaches out of the disc; keep its corners {told}, or use shape = 'ball'")
+    if not kept:
         raise ScenarioError(f"{path}: reaches out of a world with edges; keep it within 0 and world.size, {list(size)}")
 
 

@@ -56,7 +56,7 @@ class World(Part):
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
     dt: Positive = 1.0  # s
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
-    boundary: Boundary = "open"
+    boundary: Boundary = "open"  # disc: the largest circle, or sphere, in the box reflects whoever comes to it
     wrap_sight: bool = True  # whether agents see across a periodic edge
     margin: NotNegative = 0.0  # nearer to a wall than this, agents turn away from it [m]
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]

@@ -13,6 +13,7 @@ _HOMES = {
     "Avoidance": "tiswarm.strategies.avoidance",
     "ReachingField": "tiswarm.strategies.avoidance",
     "note_mate": "tiswarm.strategies.flocking",
+    "shortest": "tiswarm.space.box_lanes",
     **dict.fromkeys(
         [
             *("TINY", "anywhere", "capped", "coordinates", "cosine", "dot", "heading", "larger", "logarithm", "minus"),
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from tiswarm.simd.lanes import smaller as smaller
     from tiswarm.simd.lanes import unit as unit
     from tiswarm.simd.lanes import vector as vector
+    from tiswarm.space.box_lanes import shortest as shortest
     from tiswarm.strategies.avoidance import Avoidance as Avoidance
     from tiswarm.strategies.avoidance import ReachingField as ReachingField
     from tiswarm.strategies.flocking import note_mate as note_mate

@@ -35,18 +35,24 @@ def note_mate(notes: ti.template(), mate, away, near):
         vector(notes, "along")[k] += near * motion(mate)[k]
 
 
+def _home(me) -> list:
+    """Give the way from the map's origin, zeros in a world that has none."""
+    return [0.0 for _ in coordinates(me)] if components(me, "period") else coordinates(me)
+
+
 @ti.func
 def flock(me, mates, cohesion, separation, alignment):
     """Steer by the neighbours: cohesion (c - p) + separation Σ (p - p_j) + alignment (u - v).
 
     c, u: mean position and velocity of the neighbours, both zero when there are none: a lone agent is drawn weakly to
-    the map's origin and damped, as in the simulator of Lupau 2022 (equations 5 to 9 and its differences from them).
+    the map's origin and damped, as in the simulator of Lupau 2022 (equations 5 to 9 and its differences from them). Where
+    sight wraps no place is the origin, and a lone agent is only damped.
     """
     share = 1.0 / larger(mates.n, 1.0)
     lone = ti.select(mates.n < 0.5, 1.0, 0.0)
     return [
         separation * push - cohesion * (share * away + lone * here) + alignment * (share * together - own)
         for push, away, here, together, own in ti.static(
-            zip(components(mates, "push"), coordinates(mates), coordinates(me), rates(mates), rates(me), strict=True)
+            zip(components(mates, "push"), coordinates(mates), _home(me), rates(mates), rates(me), strict=True)
         )
     ]

@@ -9,10 +9,14 @@ from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import motion, place
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.space import box_lanes
 from tiswarm.space.cells import SLOTS, TRIALS
 
 PIECE = 128
 """Blocks whose sums are added up first: the order of summation does not depend on threads."""
+
+NOBODY = 1e15
+"""What is larger than any agent's number."""
 
 
 @dataclass(frozen=True)
@@ -24,49 +28,95 @@ class MeanKernels:
 
 
 def build(layout: Layout, types: Types, see: Views, near: Any, number_in: Any) -> MeanKernels:
-    """Build the kernels `average` and `rank`. number_in: the func that gives the number of the prey in a slot."""
-    lanes, real, dim = types.lanes, types.real, len(layout.axes)
-    flat = types.lane_array(1)
+    """Build the kernels `average` and `rank`. number_in: the func that gives the number of the prey in a slot.
+
+    Where sight wraps, places are those nearest to the first prey that is alive, as in `perception.swarm_of`.
+    """
+    lanes, real = types.lanes, types.real
+    dim, size = len(layout.axes), layout.at.size
+    wrapping = layout.structure.frame.wrap_sight
+    rows, told = 2 * dim + 1, 2 * dim + 2
     cold_array = ti.types.ndarray(dtype=real, ndim=1)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
 
+    @ti.func
+    def place_of(agents: ti.template(), means: ti.template(), numbers: ti.template(), slot, at, k: ti.template()):
+        """Give a coordinate of an agent, or its way from the origin of its trial's means."""
+        x = agents[slot][k]
+        if ti.static(wrapping):
+            x = box_lanes.displacement(x - means[at + 1 + k], numbers[size[k]][0])
+        return x
+
     @ti.kernel
-    def average(agents: near.prey.agent_array, whole: whole_array, sums: flat, means: cold_array):
-        """Write number, mean position and mean velocity of each trial's prey. sums: rows of lanes, some for each piece."""
+    def average(
+        agents: near.prey.agent_array, whole: whole_array, sums: types.lane_array(1), means: cold_array,
+        numbers: types.lane_array(1),
+    ):  # fmt: skip
+        """Write the means of each trial. sums: rows of lanes, some for each piece; means: [trial * row]."""
         blocks = whole[SLOTS] // LANES
         pieces = (blocks + PIECE - 1) // PIECE
+        if ti.static(wrapping):
+            for index in range(pieces * whole[TRIALS] * TASK):
+                if index % TASK == 0:
+                    piece = index // TASK
+                    trial = piece // pieces
+                    least = NOBODY
+                    found = real(0.0)
+                    first = (trial * blocks + piece % pieces * PIECE) * LANES
+                    for slot in range(first, ti.min(first + PIECE * LANES, near.prey.alive_end(whole, trial))):
+                        number = ti.cast(number_in(whole, slot), real)
+                        if number < least:
+                            least = number
+                            found = ti.cast(slot, real)
+                    sums[piece * rows] = lanes(least)
+                    sums[piece * rows + 1] = lanes(found)
+            for trial in range(whole[TRIALS]):
+                least = NOBODY
+                found = 0
+                for piece in range(trial * pieces, (trial + 1) * pieces):
+                    if sums[piece * rows][0] < least:
+                        least = sums[piece * rows][0]
+                        found = ti.cast(sums[piece * rows + 1][0], ti.i32)
+                for k in ti.static(range(dim)):
+                    means[trial * told + 1 + k] = 0.0
+                    if least < NOBODY:
+                        means[trial * told + 1 + k] = agents[found][k]
         for index in range(pieces * whole[TRIALS] * TASK):
             if index % TASK == 0:
                 piece = index // TASK
                 trial = piece // pieces
+                at = trial * told
                 end = near.prey.alive_end(whole, trial)
-                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 2))])
+                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(told))])
                 first = trial * blocks + piece % pieces * PIECE
                 for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
-                    here = lanes(
-                        [ti.select(block * LANES + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))]
-                    )
+                    s = block * LANES
+                    here = lanes([ti.select(s + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))])
                     own.n += here
                     for k in ti.static(range(dim)):
-                        place(own)[k] += here * lanes([agents[block * LANES + lane][k] for lane in ti.static(range(LANES))])
-                        motion(own)[k] += here * lanes(
-                            [agents[block * LANES + lane][dim + k] for lane in ti.static(range(LANES))]
-                        )
-                row = piece * (2 * dim + 1)
+                        x = lanes([place_of(agents, means, numbers, s + lane, at, k) for lane in ti.static(range(LANES))])
+                        place(own)[k] += here * x
+                        motion(own)[k] += here * lanes([agents[s + lane][dim + k] for lane in ti.static(range(LANES))])
+                row = piece * rows
                 sums[row] = own.n
                 for k in ti.static(range(dim)):
                     sums[row + 1 + k] = place(own)[k]
                     sums[row + 1 + dim + k] = motion(own)[k]
         for trial in range(whole[TRIALS]):
-            at = trial * (2 * dim + 2)
-            for k in ti.static(range(2 * dim + 1)):
-                total = lanes(0.0)
-                for piece in range(trial * pieces, (trial + 1) * pieces):
-                    total += sums[piece * (2 * dim + 1) + k]
-                means[at + k] = total.sum()
+            at = trial * told
+            count = lanes(0.0)
+            for piece in range(trial * pieces, (trial + 1) * pieces):
+                count += sums[piece * rows]
+            means[at] = count.sum()
             share = 1.0 / ti.max(means[at], 1.0)
             for k in ti.static(range(2 * dim)):
-                means[at + 1 + k] = share * means[at + 1 + k]
+                total = lanes(0.0)
+                for piece in range(trial * pieces, (trial + 1) * pieces):
+                    total += sums[piece * rows + 1 + k]
+                mean = share * total.sum()
+                if ti.static(wrapping and k < dim):
+                    mean = means[at + 1 + k] + mean
+                means[at + 1 + k] = mean
 
     @ti.kernel
     def rank(whole: whole_array, order: whole_array, count: ti.i32):

@@ -68,13 +68,21 @@ def build_pieces(layout: Layout, types: Types, near: Any) -> SimpleNamespace:
         return run
 
     @ti.func
+    def middle(here: ti.template()):
+        return [lanes(here.centres[here.trial * dim + k]) for k in ti.static(range(dim))]
+
+    @ti.func
+    def lengths(numbers: ti.template()):
+        """Give the sides of a world that repeats itself, an empty list of another."""
+        return [numbers[column] for column in ti.static(layout.at.size if near.periodic else [])]
+
+    @ti.func
     def add_motion(own: ti.template(), here: ti.template(), body, block, end):  # noqa: ARG001 - as its sisters
-        formulas.add_motion(own, body)
+        formulas.add_motion(own, body, middle(here), lengths(here.numbers))
 
     @ti.func
     def add_spin(own: ti.template(), here: ti.template(), body, block, end):  # noqa: ARG001 - as its sisters
-        centre = [lanes(here.centres[here.trial * dim + k]) for k in ti.static(range(dim))]
-        formulas.add_spin(own, body, centre)
+        formulas.add_spin(own, body, middle(here), lengths(here.numbers))
 
     return SimpleNamespace(
         motion=pieces(formulas.AHEAD + 2 * dim, add_motion), spin=pieces(3, add_spin), pieces=pieces, body_of=body_of
@@ -106,7 +114,8 @@ def build_sweep(layout: Layout, types: Types, near: Any):
             if slot < near.alive_end(whole, trial):
                 here = Together(ground=ground, clean=clean, trial=trial)
                 side, tool = numbers[at.cell][0], numbers[at.tool][0]
-                formulas.visit_cells(agents[slot][0], agents[slot][1], side, tool, across, down, visit, here)
+                period = [numbers[column][0] for column in ti.static(at.size if near.periodic else [])]
+                formulas.visit_cells(agents[slot][0], agents[slot][1], side, tool, across, down, period, visit, here)
 
     return sweep
 

@@ -109,6 +109,7 @@ class Measures:
 
     def _take_motion(self) -> None:
         dim, trials = self._scenario.world.dim, self._swarm.trials
+        self._centres[:] = self._origins().ravel()
         sums = self._summed("motion")
         count = sums[:, COUNT]
         share = 1.0 / np.maximum(count, 1.0)
@@ -116,8 +117,17 @@ class Measures:
         self._add("speed", share * sums[:, SPEED], count > 0)
         self._add("kinetic", sums[:, ENERGY], count > 0)
         if "milling" in self._names:
-            self._centres[:] = (share[:, None] * sums[:, AHEAD + dim :]).reshape(trials * dim)
+            self._centres[:] += (share[:, None] * sums[:, AHEAD + dim :]).reshape(trials * dim)
             self._add("milling", share * np.linalg.norm(self._summed("spin"), axis=1), count > 0)
+
+    def _origins(self) -> np.ndarray:
+        """Give from where places are counted: [trial, dim], m: the first living prey's place in a periodic world."""
+        grid, dim = self._swarm.grid, self._scenario.world.dim
+        if not grid.space.wraps:
+            return np.zeros((grid.trials, dim))
+        here = np.arange(grid.slots) < grid.alive()[:, None]
+        first = np.where(here, grid.numbers, np.iinfo(np.int32).max).argmin(axis=1)
+        return grid.agents[: grid.total].reshape(grid.trials, grid.slots, -1)[np.arange(grid.trials), first, :dim]
 
     def _take_pairs(self) -> None:
         prey, count = self._scenario.prey, self._swarm.grid.alive()
@@ -164,8 +174,8 @@ class Measures:
     def _free(self, trial: int) -> np.ndarray:
         """Give the visits of a trial's cells before the first: [cell], 0, or -1 where there is no ground."""
         place, size = self._swarm.position("obstacles")[trial], self._swarm.velocity("obstacles")[trial]
-        here = np.isfinite(place[:, 0])
-        free = free_cells(self._scenario.coverage.cell, self._scenario.world.size, place[here], size[here, 0])
+        here, world = np.isfinite(place[:, 0]), self._scenario.world
+        free = free_cells(self._scenario.coverage.cell, world.size, world.boundary, place[here], size[here, 0])
         return np.where(free, 0, -1).astype(np.int32).ravel()
 
     def _add(self, name: str, values: np.ndarray, counted: np.ndarray) -> None:

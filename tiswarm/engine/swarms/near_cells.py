@@ -13,7 +13,7 @@ from tiswarm.dynamics import perception
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import Together, coordinates, place
+from tiswarm.simd.lanes import Together, coordinates, place, rates
 from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space.cells import HEAD, REACH_X, SLOTS, TRIALS
 from tiswarm.strategies.flocking import see_mate
@@ -28,7 +28,8 @@ class Known:
 
     me_of: Func  # give the agents of a block from their scratch rows. number: lanes, counted from 1
     mate_of: Func  # give the agent in a slot
-    other_than: Func  # give a mate who is not there in the lane that it is itself
+    other_than: Func  # give a mate, where I see it, who is not there in the lane that it is itself
+    seen: Func  # give an agent where I see it
     missing: Func
 
 
@@ -66,7 +67,9 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
         names = [*see.Mate[kind].members]
         Me = ti.types.struct(**dict.fromkeys(see.Me[kind].members, lanes))  # noqa: N806
         Mate = ti.types.struct(**dict.fromkeys(names, real))  # noqa: N806
-        Other = ti.types.struct(**dict.fromkeys(names, real) | {"alive": lanes})  # noqa: N806
+        placed = dict.fromkeys("xyz"[:dim], lanes) if layout.structure.frame.wrap_sight else {}  # in each lane where it is seen
+        Seen = ti.types.struct(**dict.fromkeys(names, real) | placed)  # noqa: N806
+        Other = ti.types.struct(**dict.fromkeys(names, real) | placed | {"alive": lanes})  # noqa: N806
         rows = [*layout.rows.place, *layout.rows.motion, layout.rows.alive]
         shown_rows = list(layout.shown(kind).values())
 
@@ -91,17 +94,23 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
             return Mate(*state, 1.0, *told, ti.cast(number, real), ti.cast(number & 1, real))
 
         @ti.func
-        def other_than(me: ti.template(), mate: ti.template()):
-            """Give a mate who is not there in the lane that it is itself."""
+        def other_than(me: ti.template(), mate: ti.template(), away: ti.template()):
+            """Give a mate, where I see it, who is not there in the lane that it is itself."""
             told = ti.static([getattr(mate, name) for name in names[2 * dim + 1 :]])
-            state = ti.static([getattr(mate, name) for name in names[: 2 * dim]])
-            return Other(*state, ti.select(me.number == mate.number, 0.0, lanes(1.0)), *told)
+            alive = ti.select(me.number == mate.number, 0.0, lanes(1.0))
+            return Other(*see.spot(me, mate, away), *ti.static(rates(mate)), alive, *told)
+
+        @ti.func
+        def seen(me: ti.template(), mate: ti.template(), away: ti.template()):
+            """Give an agent where I see it."""
+            told = ti.static([getattr(mate, name) for name in names[dim:]])
+            return Seen(*see.spot(me, mate, away), *told)
 
         @ti.func
         def missing():
             return Mate(*[real(0.0) for _ in ti.static(names)])
 
-        return Known(me_of=me_of, mate_of=mate_of, other_than=other_than, missing=missing)
+        return Known(me_of=me_of, mate_of=mate_of, other_than=other_than, seen=seen, missing=missing)
 
     known = {kind: knows(kind) for kind in ("prey", "predators")}
 
@@ -193,8 +202,8 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
     @ti.func
     def meet_observed(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
         mate = known["prey"].mate_of(agents, view.whole, j)
-        other = known["prey"].other_than(view.me, mate)
         away = from_prey(here, agents, j, reals)
+        other = known["prey"].other_than(view.me, mate, away)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("observe" in p.own):
                 weights = see.weights_of(p, view.numbers, 0)
@@ -213,7 +222,8 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
                 terms.see_hunter(view.threat, hunter, away, view.me.perception * view.me.perception)
             for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
                 if ti.static("beware" in p.own):
-                    p.strategy.beware(view.notes[k], view.me, hunter, away, see.weights_of(p, view.numbers, 0))
+                    seen = known["predators"].seen(view.me, hunter, away)
+                    p.strategy.beware(view.notes[k], view.me, seen, away, see.weights_of(p, view.numbers, 0))
 
         return crosses("predators", meet_hunter)
 
@@ -238,7 +248,9 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
             if ti.static(led):
                 first = leader(here, 0)
                 second = leader(here, 1)
-            view = Together(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=first, second=second)
+            one = known["prey"].seen(me, first, see.sight(me, first, here.numbers, 0))
+            two = known["prey"].seen(me, second, see.sight(me, second, here.numbers, 0))
+            view = Together(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two)
             p = ti.static(coordinates(me))
             observed(view, p, here.prey.agents, here.prey.whole, here.prey.reals, here.trial, here.block, here.end)
         if ti.static(heeds):
@@ -252,7 +264,8 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
             slot = here.prey.order[here.trial * here.count + number]
             if slot >= 0:
                 each = known["prey"].mate_of(here.prey.agents, here.prey.whole, slot)
-                p.strategy.observe(notes, me, each, see.sight(me, each, here.numbers, 0), quarry, weights)
+                away = see.sight(me, each, here.numbers, 0)
+                p.strategy.observe(notes, me, known["prey"].seen(me, each, away), away, quarry, weights)
 
     @ti.func
     def obstacle_of(agents: ti.template(), j):
@@ -263,7 +276,8 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
         def meet_blocking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             obstacle = obstacle_of(agents, j)
             away = from_obstacle(here, agents, j, reals)
-            blocks = p.strategy.blocks(view.me, view.course, away, obstacle, view.weights)
+            seen = see.obstacle_seen(view.me, obstacle, away)
+            blocks = p.strategy.blocks(view.me, view.course, away, seen, view.weights)
             view.found[0] += ti.select(here[0] < 0.5 * FAR, blocks, 0.0)
 
         return crosses("obstacles", meet_blocking)
@@ -272,7 +286,8 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
         @ti.func
         def meet_looking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             away = from_obstacle(here, agents, j, reals)
-            p.strategy.look(view.notes, view.me, view.course, away, obstacle_of(agents, j), view.weights)
+            seen = see.obstacle_seen(view.me, obstacle_of(agents, j), away)
+            p.strategy.look(view.notes, view.me, view.course, away, seen, view.weights)
 
         return crosses("obstacles", meet_looking)
 

@@ -237,7 +237,7 @@ class Crowds:
     def _average(self) -> None:
         if self._kernels.tick.averages:
             grid = self._prey.grid
-            self._launch("average", grid.agents, grid.whole, self._sums, self._means)
+            self._launch("average", grid.agents, grid.whole, self._sums, self._means, self._numbers)
 
     def _remember(self) -> None:
         prey, rows = self._prey, self._layout.rows

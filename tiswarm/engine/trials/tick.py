@@ -77,7 +77,7 @@ def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
         if ti.static(frame.verlet):
             for i in range(counts[0]):
                 steps.prey.drift(prey, (b * counts[0] + i) * prey_rows, numbers, b)
-        swarm = senses.swarm_of(prey, b, counts[0], clock[b, AGE])
+        swarm = senses.swarm_of(prey, numbers, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(counts[0]):
@@ -116,7 +116,7 @@ def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
                 steps.predators.drift(predators, a, numbers, b)
         for survey in ti.static(surveys):
             survey(prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high)
-        quarry = senses.swarm_of(prey, b, counts[0], clock[b, AGE])
+        quarry = senses.swarm_of(prey, numbers, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)
         for i in range(counts[1]):

@@ -11,6 +11,7 @@ from tiswarm.engine.trials.batch import Blocks
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
+from tiswarm.space import box
 
 
 class Single:
@@ -63,6 +64,9 @@ class Single:
         self._advance(1)
         position = self._agents("prey")[self._rows.place].T.astype(np.float64)
         position[~here] = np.nan
+        world = self.scenario.world
+        if world.wrap_sight:
+            position = box.about_first(position, box.period(world.size, world.boundary))
         for each, kept in zip(arrays, before, strict=True):
             each[...] = kept
         predators, key = self._agents("predators"), (self.seed, self._trial, self.age)
@@ -185,6 +189,6 @@ def field(recording: Recording, across: int = 72) -> tuple[np.ndarray, np.ndarra
     probes = Start(points, np.zeros_like(points), none, none, recording.obstacle_position, recording.obstacle_radius)
     alone = {"predators.count": 0, "measures.names": [], "coverage.cell": 0}
     pull = Single(scenario.replaced(alone), recording.seed, recording.trial, probes).pull("prey")
-    away = np.linalg.norm(points[:, None] - recording.obstacle_position, axis=2)
+    away = np.linalg.norm(recording.shortest(points[:, None] - recording.obstacle_position), axis=2)
     pull[(away < recording.obstacle_radius).any(axis=1)] = 0  # nobody is there to feel it
     return points, pull

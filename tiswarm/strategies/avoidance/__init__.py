@@ -13,12 +13,14 @@ class Avoidance:
 
     parts: names of other avoidances that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
+    periodic: whether it has a meaning in a world without edges: moving everything must move its answer (`shortest` helps).
     notes: names of numbers that `look` collects over the obstacles in one tick.
         "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
     """
 
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
+    periodic: bool = True
     notes: tuple[str, ...] = ()
 
     @dataclass(frozen=True)

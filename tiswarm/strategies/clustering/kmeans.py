@@ -7,6 +7,7 @@ import taichi as ti
 
 from tiswarm.simd.lanes import anywhere, larger, smaller
 from tiswarm.simd.runtime import LANES, Types
+from tiswarm.space.box_lanes import displacement
 from tiswarm.strategies.clustering import exact, search
 from tiswarm.strategies.clustering.exact import FEW, SUBSETS
 
@@ -34,6 +35,7 @@ def board_rows(dim: int) -> SimpleNamespace:
         "size": MOST,
         "leave": MOST,
         "join": MOST,
+        "origin": dim,
     }
     begins = np.cumsum([0, *sizes.values()]).tolist()
     at = SimpleNamespace(**dict(zip([*sizes, "points"], begins, strict=True)), fixed=begins[-1])
@@ -43,7 +45,7 @@ def board_rows(dim: int) -> SimpleNamespace:
 
 
 def build(layout, types: Types, uniform):
-    """Build `cluster`, which works on rows of a board that begin at row r, for the n prey that begin at row a.
+    """Build `find` and `place_of`, which work on rows of a board that begin at row r, for the n prey that begin at row a.
 
     layout: the rows of prey and of a block's whole numbers (`layout.Layout`).
     """
@@ -53,6 +55,7 @@ def build(layout, types: Types, uniform):
     at = board_rows(dim)
     few = exact.build(types, dim, at)
     many = search.build(types, dim, MOST, at, uniform)
+    wrapping = layout.structure.frame.wrap_sight
 
     @ti.func
     def bend(board: ti.template(), r, lane, i, last, low, high):
@@ -103,7 +106,7 @@ def build(layout, types: Types, uniform):
         return found
 
     @ti.func
-    def fill_slots(board: ti.template(), r, n, prey: ti.template(), a):
+    def fill_slots(board: ti.template(), r, n, prey: ti.template(), a, size: ti.template()):
         """Put each lane's first alive prey side by side, at their way from the first one; give how many are alive.
 
         Prey that coincide are then at exactly zero, wherever in the world they are.
@@ -120,12 +123,16 @@ def build(layout, types: Types, uniform):
                 there = prey[a + i * own_rows + rows.place[k]]
                 origin[k] = ti.select(first, there, origin[k])
                 way = there - origin[k]
+                if ti.static(wrapping):
+                    way = displacement(way, size[k])
                 board[r + at.points + (at.place + k) * n + i] = way
                 for slot in range(ti.min(i + 1, FEW)):
                     taken = (alive > 0.5) & (alive_count == ti.cast(slot, real))
                     row = r + at.slots + slot * dim + k
                     board[row] = ti.select(taken, way, board[row])
             alive_count += alive
+        for k in ti.static(range(dim)):
+            board[r + at.origin + k] = origin[k]
         return alive_count
 
     @ti.func
@@ -171,6 +178,14 @@ def build(layout, types: Types, uniform):
             board[row] = own
 
     @ti.func
+    def place_of(board: ti.template(), r, n, prey: ti.template(), a, i, k: ti.template()):
+        """Give a coordinate of a prey: where it is, or its image that is nearest to the first one."""
+        x = prey[a + i * own_rows + rows.place[k]]
+        if ti.static(wrapping):
+            x = board[r + at.origin + k] + board[r + at.points + (at.place + k) * n + i]
+        return x
+
+    @ti.func
     def put_centres(board: ti.template(), r, n, prey: ti.template(), a):
         """Write each cluster's mean position down: the origin for clusters that are not there, as means of nobody are."""
         for c in range(MOST):
@@ -180,15 +195,20 @@ def build(layout, types: Types, uniform):
                 own = ti.select(board[r + at.points + at.label * n + i] == ti.cast(c, real), 1.0, 0.0)
                 size += own
                 for k in ti.static(range(dim)):
-                    total[k] += own * prey[a + i * own_rows + rows.place[k]]
+                    total[k] += own * place_of(board, r, n, prey, a, i, k)
             share = 1.0 / larger(size, 1.0)
             for k in ti.static(range(dim)):
                 board[r + at.centres + c * dim + k] = share * total[k]
 
     @ti.func
-    def cluster(board: ti.template(), r, n, prey: ti.template(), a, most, restarts, trial, tick, key_low, key_high):
-        """Find count, centres and labels of the clusters of each lane's alive prey. most, restarts, trial, tick: [lane]."""
-        alive_count = fill_slots(board, r, n, prey, a)
+    def cluster(
+        board: ti.template(), r, n, prey: ti.template(), a, size: ti.template(), most, restarts, trial, tick, key_low, key_high,
+    ):  # fmt: skip
+        """Find count, centres and labels of the clusters of each lane's alive prey. most, restarts, trial, tick: [lane].
+
+        size: of the world, a list. Where sight wraps, places are those nearest to the first prey that is alive.
+        """
+        alive_count = fill_slots(board, r, n, prey, a, size)
         most_clusters = ti.cast(most.max() + 0.5, ti.i32)
         points = ti.min(ti.cast(alive_count.max() + 0.5, ti.i32), FEW)
         is_few = alive_count < FEW + 0.5
@@ -215,7 +235,7 @@ def build(layout, types: Types, uniform):
         renumber(board, r, n)
         put_centres(board, r, n, prey, a)
 
-    return cluster
+    return SimpleNamespace(find=cluster, place_of=place_of)
 
 
 @ti.func

@@ -14,6 +14,7 @@ class Predator:
 
     parts: names of other strategies that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
+    periodic: whether it has a meaning in a world without edges: moving everything must move its answer (`shortest` helps).
     notes: names of numbers that `observe` collects over single prey in one tick.
         "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
     memory: names of numbers that a predator keeps between ticks, all 0 at the start, for `survey` to set; "way*" as above.
@@ -28,6 +29,7 @@ class Predator:
 
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
+    periodic: bool = True
     notes: tuple[str, ...] = ()
     memory: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()

@@ -8,6 +8,7 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.simd.lanes import anywhere, dot, larger, minus, place, vector
+from tiswarm.space.box_lanes import displacement, shortest
 from tiswarm.strategies.clustering import kmeans, lloyd, reference
 from tiswarm.strategies.clustering.kmeans import MOST, board_rows, clusters_of
 from tiswarm.strategies.predators import Predator
@@ -75,10 +76,10 @@ class Strategy(Predator):
     @staticmethod
     def survey(layout, types, see, uniform, part):
         dim = len(layout.axes)
-        at, lanes = board_rows(dim), types.lanes
-        cluster = kmeans.build(layout, types, uniform)
+        at, lanes, width = board_rows(dim), types.lanes, len(layout.paths)
+        sub_swarms = kmeans.build(layout, types, uniform)
         fit = lloyd.build(types, dim, MOST, at, uniform)
-        rows, prey_rows, predator_rows = layout.rows, layout.agent_rows["prey"], layout.agent_rows["predators"]
+        prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
         group_row, squad_row, *chased_rows = part.memory_rows
 
         @ti.func
@@ -88,7 +89,7 @@ class Strategy(Predator):
             return number - clusters * ti.floor(number / clusters)
 
         @ti.func
-        def assign(predators: ti.template(), board: ti.template(), r, b, count, weights):
+        def assign(predators: ti.template(), board: ti.template(), numbers: ti.template(), r, b, count, weights):
             """Give each predator the sub-swarm that it chases in this tick."""
             clusters = larger(board[r + at.count], 1.0)
             for j in range(count):
@@ -98,6 +99,9 @@ class Strategy(Predator):
                 least = lanes(0.0)
                 for c in range(MOST):
                     way = [board[r + at.centres + c * dim + k] - predators[q + chased_rows[k]] for k in ti.static(range(dim))]
+                    if ti.static(layout.structure.frame.wrap_sight):
+                        for k in ti.static(range(dim)):
+                            way[k] = displacement(way[k], numbers[b * width + layout.at.size[k]])
                     distance2 = dot(way, way)
                     closer = (c == 0) | (distance2 < least)
                     closer = closer & (clusters > ti.cast(c, types.real) + 0.5)
@@ -123,7 +127,7 @@ class Strategy(Predator):
                 group = ti.select((own > 0.5) & (size < 0.5), board[r + at.points + at.label * n + i] + 1.0, group)
                 size += own
                 for k in ti.static(range(dim)):
-                    total[k] += own * prey[a + i * prey_rows + rows.place[k]]
+                    total[k] += own * sub_swarms.place_of(board, r, n, prey, a, i, k)
             share = 1.0 / larger(size, 1.0)
             predators[q + group_row] = ti.select(drawn, group, predators[q + group_row])
             for k in ti.static(range(dim)):
@@ -150,9 +154,12 @@ class Strategy(Predator):
             if anywhere(ours):
                 most = ti.select(chosen, clusters_of(weights.max_clusters), 1.0)
                 restarts = ti.select(chosen, weights.restarts, 0.0)
-                cluster(board, r, n, prey, b * n * prey_rows, most, restarts, trial, tick, key_low, key_high)
+                size = [numbers[b * width + column] for column in ti.static(layout.at.size)]
+                sub_swarms.find(
+                    board, r, n, prey, b * n * prey_rows, size, most, restarts, trial, tick, key_low, key_high
+                )  # fmt: skip
             if anywhere(chosen & ((weights.reference < 0.5) | (weights.labels > 0.5))):
-                assign(predators, board, r, b, counts[1], weights)
+                assign(predators, board, numbers, r, b, counts[1], weights)
             drawn = ours & (weights.labels < 0.5) & (board[r + at.count] > 1.5)
             if anywhere(drawn):
                 clusters = larger(board[r + at.count], 1.0)
@@ -174,4 +181,4 @@ class Strategy(Predator):
     @staticmethod
     @ti.func
     def pursue(me, quarry, target, notes, weights):
-        return minus(vector(me, "chased"), place(me))
+        return shortest(me, minus(vector(me, "chased"), place(me)))

@@ -13,6 +13,7 @@ class Prey:
 
     parts: names of other strategies that this one combines; a combination has no hooks of its own.
     dimensions: the worlds it supports.
+    periodic: whether it has a meaning in a world without edges: moving everything must move its answer (`shortest` helps).
     flat_only: (weight, choice) pairs that have a meaning in the plane only.
     memory: names of numbers that an agent keeps between ticks, all 0 at the start.
     notes: names of sums that `observe` and `beware` collect over mates and predators in one tick.
@@ -27,6 +28,7 @@ class Prey:
 
     parts: tuple[str, ...] = ()
     dimensions: tuple[int, ...] = (2,)
+    periodic: bool = True
     flat_only: tuple[tuple[str, str], ...] = ()
     memory: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.simd.lanes import dot
+from tiswarm.space.box_lanes import shortest
 from tiswarm.strategies.prey import Prey
 
 
@@ -43,8 +44,8 @@ class Strategy(Prey):
     def observe(notes: ti.template(), me, mate, away, first, second, weights):
         odd = me.odd
         even = 1.0 - odd
-        from_x = mate.x - (odd * second.x + even * first.x)
-        from_y = mate.y - (odd * second.y + even * first.y)
+        lead_x, lead_y = odd * second.x + even * first.x, odd * second.y + even * first.y
+        from_x, from_y = shortest(me, [mate.x - lead_x, mate.y - lead_y])
         seen = from_x * from_x + from_y * from_y <= me.perception * me.perception
         felt = dot(away, away) <= weights.part_range * weights.part_range
         other = (odd - mate.odd) * (odd - mate.odd) * ti.select(mate.number > 2.5, 1.0, 0.0)
