@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 _HOMES = {
     "film": "films",
+    "check_film": "films",
+    "check_image": "films",
     "frames": "films",
     "poster": "films",
     "sheet": "films",
@@ -30,6 +32,8 @@ __all__ = [
     "Live",
     "Look",
     "Theme",
+    "check_film",
+    "check_image",
     "film",
     "frames",
     "poster",
@@ -39,7 +43,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from render.encoder import QUALITIES, FilmError
-    from render.films import Film, film, frames, poster, sheet
+    from render.films import Film, check_film, check_image, film, frames, poster, sheet
     from render.page.document import replay
     from render.scene.background import Field
     from render.source import Live

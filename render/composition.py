@@ -20,7 +20,7 @@ from render.scene.rigs import Rig, View, apparent, bounds, fitted, heights, rig
 from render.scene.scene import Scene
 from render.source import Live, is_sky
 from render.style import Look
-from render.timeline import length, times
+from render.timeline import Rate, length, times
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
 
@@ -96,11 +96,11 @@ class Composition:
                 inner[n, 2:] = np.minimum(edges[n, 2:], np.maximum(a, b))
         return np.concatenate([inner, edges, [(0, 0, *size)]]).round().astype(np.float32)
 
-    def times(self, fps: int) -> Iterator[float]:
+    def times(self, fps: Rate) -> Iterator[float]:
         """Give the frames' times [ticks]; several subjects end with the longest."""
         return times(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
 
-    def length(self, fps: int) -> int:
+    def length(self, fps: Rate) -> int:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
         return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
 

@@ -14,11 +14,13 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import IO
 
 from render.raster.framebuffer import Framebuffer
-from tiswarm.system.files import replacing
+from tiswarm.system.files import replacing, replacing_folder
+from tiswarm.system.words import reason, safe
 
 PLATES = 2
 """One is drawn on while the other is written. More would help nobody, for the encoder has a queue of its own; but they would
@@ -139,7 +141,7 @@ class _Stopped(Exception):
 
 @contextmanager
 def encoder(
-    path: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str], blank: Callable[[], Framebuffer]
+    path: Path, size: tuple[int, int], rate: Fraction, form: Format, notes: dict[str, str], blank: Callable[[], Framebuffer]
 ) -> Iterator[Reel]:
     """Run an encoder that writes `path`, fed with plates that `blank` allocates.
 
@@ -149,11 +151,11 @@ def encoder(
     """
     with ExitStack() as stack:
         try:
-            part = stack.enter_context(_replacing_folder(path) if form.folder else replacing(path))
+            part = stack.enter_context(replacing_folder(path) if form.folder else replacing(path))
             log = stack.enter_context(tempfile.TemporaryFile())
             # In a session of its own the encoder does not hear Ctrl-C: we end it, once, below.
             process = subprocess.Popen(
-                _command(part / "frame-%05d.png" if form.folder else part, size, fps, form, notes),
+                _command(_output(part, form), size, rate, form, notes),
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=log,
@@ -161,7 +163,7 @@ def encoder(
                 start_new_session=True,
             )
         except OSError as error:
-            raise FilmError(f"{path}: cannot be written: {error.strerror or error}") from None
+            raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
         reel = Reel(blank)
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()
@@ -180,30 +182,33 @@ def encoder(
             raise FilmError(f"{path}: the encoder failed: {_reason(process.returncode, log)}")
 
 
-@contextmanager
-def _replacing_folder(path: Path) -> Iterator[Path]:
-    """Give a temporary folder beside `path` that becomes `path` at the end, or vanishes on any error."""
-    if path.exists() and (not path.is_dir() or any(path.iterdir())):
-        raise FileExistsError(17, "is there already and not an empty folder")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
+def _output(part: Path, form: Format) -> str:
+    """Name what ffmpeg writes: it takes what is before a colon for a protocol, and "%" in a series of images for a number."""
+    return f"file:{os.fspath(part).replace('%', '%%')}/frame-%05d.png" if form.folder else f"file:{part}"
+
+
+def find_ffmpeg() -> str:
+    """Find the encoder. Errors: FilmError that says how to get it."""
     try:
-        yield part
-        part.chmod(0o755)
-        part.replace(path)
-    except BaseException:
-        shutil.rmtree(part, ignore_errors=True)
-        raise
+        import imageio_ffmpeg
+
+        found = str(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        found = ""
+    if not shutil.which(found):
+        where = f" at {found}" if found else ""
+        raise FilmError(
+            f"cannot be written: there is no ffmpeg{where}; pip install imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE to one"
+        )
+    return found
 
 
-def _command(part: Path, size: tuple[int, int], fps: int, form: Format, notes: dict[str, str]) -> list[str]:
-    import imageio_ffmpeg
-
+def _command(output: str, size: tuple[int, int], rate: Fraction, form: Format, notes: dict[str, str]) -> list[str]:
     pixels = ("-pix_fmt", "yuv420p", *COLOURS) if form.yuv else ("-pix_fmt", "rgb24")
-    raw = ("-f", "rawvideo", *pixels, "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "pipe:0", "-an")
-    tags = [word for key, value in notes.items() for word in ("-metadata", f"{key}={value}")]
-    start = (imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-loglevel", "error", "-nostdin", "-y")
-    return [*start, *raw, *form.output, *tags, os.fspath(part)]
+    raw = ("-f", "rawvideo", *pixels, "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "pipe:0", "-an")
+    tags = [word for key, value in notes.items() for word in ("-metadata", f"{key}={safe(value)}")]
+    start = (find_ffmpeg(), "-hide_banner", "-loglevel", "error", "-nostdin", "-y")
+    return [*start, *raw, *form.output, *tags, output]
 
 
 def _reason(code: int, log: IO[bytes]) -> str:

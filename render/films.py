@@ -4,16 +4,19 @@ import base64
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from render.composition import Composition, Subject
-from render.encoder import FilmError, encoder, format_of
+from render.encoder import FilmError, Format, encoder, find_ffmpeg, format_of
 from render.scene.background import Field
 from render.style import look_of
+from render.timeline import Rate
 from tiswarm.system.files import replacing
+from tiswarm.system.words import reason
 from tiswarm.version import __version__
 
 Progress = Callable[[int, int], None]
@@ -25,7 +28,7 @@ class Film(os.PathLike):
 
     path: Path
     size: tuple[int, int]
-    fps: int
+    fps: Rate
     frames: int
 
     def __fspath__(self) -> str:
@@ -45,7 +48,7 @@ def film(
     subject: Subject,
     path: str | os.PathLike,
     size: tuple[int, int] = (1280, 720),
-    fps: int | None = None,
+    fps: Rate | None = None,
     *,
     quality: str = "good",
     labels: Sequence[str] | None = None,
@@ -58,7 +61,8 @@ def film(
     A live simulation (see `render.live.Live`) runs while it is filmed and is not kept: memory does not grow with its length.
 
     path: its suffix chooses the format: .mp4 (H.264), .webm (VP9), .gif, or none for a folder of PNG frames.
-    size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF.
+    size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF;
+    29.97 and Fraction(30000, 1001) are possible.
     quality: "draft", "good" or "best".
     labels: names of several recordings, by default what tells them apart. field: arrows to draw on the ground.
     progress: called with frames done and frames in all.
@@ -68,28 +72,51 @@ def film(
     no file is left.
     """
     target = Path(path)
-    form = format_of(target, quality)
-    fps = form.fps if fps is None else fps
-    if not 1 <= fps <= form.fastest:
-        raise ValueError(f"fps: {fps} is not possible; use 1 to {form.fastest}")
-    checked_size(size, even=form.yuv)
+    form, rate = check_film(target, size, fps, quality)
     stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
-    done, total = 0, stage.length(fps)
-    with encoder(target, size, fps, form, _notes(stage), stage.canvas.blank) as reel:
-        for time in stage.times(fps):
+    done, total = 0, stage.length(rate)
+    with encoder(target, size, rate, form, _notes(stage), stage.canvas.blank) as reel:
+        for time in stage.times(rate):
             plate = reel.blank()
             stage.frame(time, plate)
             reel.put(plate)
             done += 1
             if progress:
                 progress(done, total)
-    return Film(target, size, fps, done)
+    return Film(target, size, int(rate) if rate.denominator == 1 else rate, done)
+
+
+def check_film(path: Path, size: tuple[int, int], fps: Rate | None = None, quality: str = "good") -> tuple[Format, Fraction]:
+    """Check what can be known of a film before anything runs: give its format and its frames per second.
+
+    Errors: as `film`.
+    """
+    form = format_of(path, quality)
+    try:
+        rate = Fraction(form.fps if fps is None else fps).limit_denominator(100_000)
+    except (ValueError, OverflowError):
+        rate = Fraction(0)
+    if not 1 <= rate <= form.fastest:
+        raise ValueError(f"fps: {fps} is not possible; use 1 to {form.fastest}")
+    checked_size(size, even=form.yuv)
+    find_ffmpeg()
+    return form, rate
+
+
+def check_image(path: Path) -> None:
+    """Raise ValueError unless an image can be written in the format that the path's suffix names."""
+    from PIL import Image
+
+    Image.init()
+    known = {suffix for suffix, form in Image.registered_extensions().items() if form in Image.SAVE}
+    if path.suffix.lower() not in known:
+        raise ValueError(f"{path}: unknown format {path.suffix!r}; use .png, .jpg or .webp")
 
 
 def frames(
     subject: Subject,
     size: tuple[int, int] = (1280, 720),
-    fps: int = 60,
+    fps: Rate = 60,
     *,
     labels: Sequence[str] | None = None,
     field: Field | None = None,
@@ -118,6 +145,7 @@ def poster(
 
     Errors: as `film`.
     """
+    check_image(Path(path))
     checked_size(size, even=False)
     stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
     if time is None and stage.is_live:
@@ -139,6 +167,7 @@ def sheet(
 
     Errors: as `film`.
     """
+    check_image(Path(path))
     checked_size(size, even=False)
     columns, rows = shape
     if columns < 1 or rows < 1:
@@ -187,8 +216,8 @@ def _save(image: np.ndarray, path: Path) -> Path:
     try:
         with replacing(path) as part:
             Image.fromarray(image).save(part)
-    except (OSError, ValueError) as error:
-        raise FilmError(f"{path}: cannot be written: {error}") from None
+    except OSError as error:
+        raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
     return path
 
 

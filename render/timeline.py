@@ -1,11 +1,15 @@
 """Timeline: which time of a subject each frame of a film shows."""
 
 from collections.abc import Iterator
+from fractions import Fraction
 
 import numpy as np
 
 from render.scene.trajectories import Trajectories
 from tiswarm.records.recording import Recording
+
+Rate = int | float | Fraction
+"""Frames per second."""
 
 HOLD = 1.0
 """How long the last state stays on the screen [s]."""
@@ -17,25 +21,31 @@ AROUND = 0.5
 """How long before and after a capture slow motion lasts, at full speed [s of film]."""
 
 
-def times(paths: Trajectories, speed: float, fps: int, *, slow: bool = False) -> Iterator[float]:
+def times(paths: Trajectories, speed: float, fps: Rate, *, slow: bool = False) -> Iterator[float]:
     """Give the frames' times [ticks]; past the last tick the picture stands still and flashes fade.
 
     speed: ticks per second of film. slow: slow down around captures of prey, which only recordings know beforehand.
 
     Errors: ValueError for fewer than one frame per second.
     """
-    if fps < 1:
+    if not 1 <= fps < float("inf"):
         raise ValueError(f"fps: {fps} is not possible; use 1 or more")
-    return _times(paths, speed, fps, slow)
+    return _times(paths, speed, _plain(fps), slow)
 
 
-def length(paths: Trajectories, speed: float, fps: int, *, slow: bool = False) -> int:
+def length(paths: Trajectories, speed: float, fps: Rate, *, slow: bool = False) -> int:
     """Count the frames: for a live simulation, which may end early, the most there can be."""
+    fps = _plain(fps)
     moving = len(_slowed(paths, speed, fps)) if slow else int(np.ceil(paths.last / speed * fps))
     return moving + max(round(HOLD * fps), 1)
 
 
-def _times(paths: Trajectories, speed: float, fps: int, slow: bool) -> Iterator[float]:
+def _plain(fps: Rate) -> int | float:
+    """Give a rate as a number that NumPy counts with."""
+    return int(fps) if fps == int(fps) else float(fps)
+
+
+def _times(paths: Trajectories, speed: float, fps: Rate, slow: bool) -> Iterator[float]:
     if slow:
         yield from _slowed(paths, speed, fps) * speed
     else:
@@ -48,7 +58,7 @@ def _times(paths: Trajectories, speed: float, fps: int, slow: bool) -> Iterator[
         yield (paths.last / speed + n / fps) * speed
 
 
-def _slowed(paths: Trajectories, speed: float, fps: int) -> np.ndarray:
+def _slowed(paths: Trajectories, speed: float, fps: Rate) -> np.ndarray:
     """List the times until the last tick [s at full speed]."""
     end, captures = paths.last / speed, _captures(paths) / speed
     steady = np.arange(0, end, 1 / (4 * fps))

@@ -6,6 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.quick
+
 ROOT = Path(__file__).parents[1]
 WITHOUT_TAICHI = ("system", "scenario", "strategies/registry.py", "strategies/lane_rules.py", "space/box.py", "space/cells.py")
 

@@ -95,6 +95,26 @@ export class Orbit extends Flat {
     super(extent);
     this.deep = true;
     this.home();
+    this.spread = this._spread();
+    this.home();
+  }
+
+  /**
+   * Find how far from the middle a room's corners come, from whichever side it is looked at [m].
+   * @returns {[number, number]}
+   */
+  _spread() {
+    const { low, high } = this.extent;
+    let [across, up] = [1e-9, 1e-9];
+    for (let n = 0; n < 8 * 24; n++) {
+      this.yaw = (Math.floor(n / 8) * Math.PI) / 12;
+      this._axes();
+      const [x, y, z] = low.map((each, axis) => (n & (1 << axis) ? high[axis] : each));
+      this.place(x, y, z);
+      across = Math.max(across, Math.abs(this.x));
+      up = Math.max(up, Math.abs(this.y));
+    }
+    return [across, up];
   }
 
   home() {
@@ -115,12 +135,10 @@ export class Orbit extends Flat {
 
   /** Take a window: the same scale from wherever the eye looks, so that turning does not pump. @param {Rect} rect */
   fit(rect) {
-    const { low, high } = this.extent;
+    const [across, up] = this.spread ?? [1, 1];
+    const room = 0.5 - RIM;
     this.rect = rect;
-    const across = Math.hypot(high[0] - low[0], high[1] - low[1]);
-    const up = across * Math.sin(PITCH) + ((high[2] ?? 0) - (low[2] ?? 0)) * Math.cos(PITCH);
-    const room = 1 - 4 * RIM;
-    this.scale = Math.min((rect.width * room) / (across * 1.05), (rect.height * room) / (up * 1.15)) * this.zoom;
+    this.scale = Math.min((rect.width * room) / across, (rect.height * room) / up) * this.zoom;
     this.middle = [rect.x + rect.width / 2, rect.y + rect.height / 2];
   }
 

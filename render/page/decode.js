@@ -141,7 +141,9 @@ function integers(bytes, { at, bits, shape, order }) {
 /** Read a recording. @param {Header} header @param {string} text base64 of deflated numbers @returns {Promise<Recording>} */
 export async function decoded(header, text) {
   if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old to unpack recordings; update it");
-  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text);
+  const packed = new Uint8Array(letters.length);
+  for (let n = 0; n < packed.length; n++) packed[n] = letters.charCodeAt(n);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Recording(header, new Uint8Array(await new Response(stream).arrayBuffer()));
 }

@@ -123,6 +123,7 @@ def joined() -> str:
     texts = []
     for name in MODULES:
         text = re.sub(r"^import [^;]*;\n", "", _read(f"{name}.js"), flags=re.MULTILINE)
+        text = re.sub(r"^ */\*\*(?:[^*]|\*(?!/))*\*/\n", "", text, flags=re.MULTILINE)  # types are for whoever writes modules
         texts.append(re.sub(r"^export ", "", text, flags=re.MULTILINE))
     return "\n" + "\n".join(texts)
 

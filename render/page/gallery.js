@@ -57,6 +57,7 @@ export async function fillGallery(place, shelf, theme) {
     [canvas.width, canvas.height] = POSTER;
     canvas.setAttribute("aria-hidden", "true");
     const [title, words] = [document.createElement("strong"), document.createElement("span")];
+    title.dir = "auto";
     link.append(canvas, title, words);
     place.append(link);
     const recording = await shelf.read(n);

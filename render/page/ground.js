@@ -11,7 +11,7 @@ import { colour, mixed } from "./shapes.js";
  * What is drawn, and how: a frame in the making.
  * @typedef {{recording: Recording, paths: import("./paths.js").Paths, lens: Flat | Orbit, unit: number, time: number,
  *   theme: import("./shapes.js").Palette, switches: Set<string>, below: import("./shapes.js").Shapes,
- *   ribbons: import("./shapes.js").Ribbons, above: import("./shapes.js").Shapes}} View
+ *   ribbons: import("./shapes.js").Ribbons, above: import("./shapes.js").Shapes, roams: boolean}} View
  */
 
 const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
@@ -32,7 +32,7 @@ export function drawGround(view) {
   lens.place(header.size[0], 0);
   const [x1, y1] = [lens.x, lens.y];
   floor(view, x0, y0, x1, y1);
-  if (!header.sky) grid(view, 0.06, unit / 2);
+  if (!header.sky || view.roams) grid(view, 0.06, unit / 2);
   for (const area of header.areas) {
     lens.place(area.low[0], area.high[1]);
     const [ax, ay] = [lens.x, lens.y];
@@ -54,8 +54,15 @@ export function areaHue(label, theme) {
 }
 
 /** @param {View} view @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
-function floor({ recording, below: shapes, theme, unit }, x0, y0, x1, y1) {
+function floor({ recording, lens, roams, below: shapes, theme, unit }, x0, y0, x1, y1) {
   const corner = 3 * unit;
+  if (roams) {
+    // Whoever leaves the world has the same sky everywhere.
+    const { x, y, width, height } = lens.rect;
+    shapes.box(x, y, x + width, y + height, colour(theme.sky[0]));
+    shapes.box(x, y, x + width, y + height, colour(theme.sky[1]), { alpha: 0, below: 1 });
+    return;
+  }
   shapes.box(x0, y0, x1, y1, colour(theme.shadow), { alpha: theme.shadow_alpha * 0.7, corner: 2 * corner, soft: 28 * unit });
   if (recording.header.sky) {
     shapes.box(x0, y0, x1, y1, colour(theme.sky[0]), { corner });
@@ -82,8 +89,13 @@ function edge({ recording, below: shapes, theme, unit }, x0, y0, x1, y1) {
 }
 
 /** Draw lines at round numbers of metres. @param {View} view @param {number} alpha @param {number} half */
-function grid({ recording, lens, below: shapes, theme }, alpha, half) {
+function grid({ recording, lens, roams, below: shapes, theme }, alpha, half) {
   const [width, height] = recording.header.size;
+  let [x0, y0, x1, y1] = [0, 0, width, height];
+  if (roams) {
+    const [across, up] = [lens.rect.width / 2 / lens.scale, lens.rect.height / 2 / lens.scale];
+    [x0, y0, x1, y1] = [lens.centre[0] - across, lens.centre[1] - up, lens.centre[0] + across, lens.centre[1] + up];
+  }
   const most = Math.max(width, height);
   const step = STEPS.find((each) => most / each <= LINES) ?? STEPS[STEPS.length - 1];
   const line = (/** @type {number[]} */ [ax, ay, bx, by]) => {
@@ -92,9 +104,9 @@ function grid({ recording, lens, below: shapes, theme }, alpha, half) {
     lens.place(bx, by);
     shapes.capsule(px, py, lens.x, lens.y, half, half, colour(theme.line), alpha);
   };
-  if (most / step > 100) return;
-  for (let x = step; x < width; x += step) line([x, 0, x, height]);
-  for (let y = step; y < height; y += step) line([0, y, width, y]);
+  if (Math.max(x1 - x0, y1 - y0) / step > 100) return;
+  for (let x = (Math.floor(x0 / step) + 1) * step; x < x1; x += step) line([x, y0, x, y1]);
+  for (let y = (Math.floor(y0 / step) + 1) * step; y < y1; y += step) line([x0, y, x1, y]);
 }
 
 /** @param {View} view */

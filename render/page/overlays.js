@@ -157,11 +157,16 @@ export function drawLooked(view, agent, hues) {
   if (!terms) return;
   const longest = Math.max(...terms.parts.map(({ way }) => Math.hypot(...way)), Math.hypot(...terms.sum));
   if (!(longest > 0)) return;
-  const scale = (ARROW * unit) / longest;
+  const scale = Math.max(ARROW * unit, 4 * size) / longest;
   const screen = (/** @type {number[]} */ way) => (lens instanceof Orbit ? tilted(lens, way) : [way[0], -way[1]]);
   let [tx, ty] = [x, y];
-  terms.parts.forEach(({ way }, n) => {
+  terms.parts.forEach(({ name, way }, n) => {
     const [dx, dy] = screen(way).map((each) => each * scale);
+    if (name === "cap") {
+      // The cap takes back what others gave: beside their arrows, it does not hide them.
+      const aside = (5 * unit) / Math.max(Math.hypot(dx, dy), 1e-9);
+      [tx, ty] = [tx - dy * aside, ty + dx * aside];
+    }
     arrow(above, tx, ty, tx + dx, ty + dy, 2.9 * unit, colour(theme.outline), 0.75);
     arrow(above, tx, ty, tx + dx, ty + dy, 1.7 * unit, colour(hues[n % hues.length]));
     [tx, ty] = [tx + dx, ty + dy];

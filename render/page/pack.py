@@ -75,7 +75,7 @@ class Sections:
 
     def packed(self) -> str:
         """Give all sections, compressed, as base64."""
-        return base64.b64encode(zlib.compress(b"".join(self._parts), 9)).decode("ascii")
+        return base64.b64encode(zlib.compress(b"".join(self._parts), 6)).decode("ascii")
 
 
 def packed(recording: Recording, *, exact: bool = False, field: Field | None = None) -> tuple[Header, str]:

@@ -17,6 +17,9 @@ import { drawTrails } from "./trails.js";
 const STRAY = 0.5,
   STRAY_TOGETHER = 0.08;
 
+/** With more agents than this, those on the edge of a periodic world are cut there: they are small. */
+const CUT = 2000;
+
 /** Past the last tick flashes go on for so many ticks: a second of a film. */
 export const HOLD = 10;
 
@@ -39,13 +42,49 @@ function extentOf(recording, stray) {
   return dim > 2 ? { low: [...low, heights[0]], high: [...high, heights[1]] } : { low, high };
 }
 
+/** Share of a recording that the prey's centre may be outside an open world before the camera goes with it, as in films. */
+const LEFT = 0.2;
+
+/**
+ * Give the mean place of the prey that are there, the one before where none is.
+ * @param {Float32Array} spots [agent, dim] @param {number} dim @param {(agent: number) => boolean} there
+ * @param {number} count @param {number[]} before
+ */
+function centreOf(spots, dim, there, count, before) {
+  const sum = new Array(dim).fill(0);
+  let found = 0;
+  for (let agent = 0; agent < count; agent++) {
+    if (!there(agent)) continue;
+    found += 1;
+    for (let axis = 0; axis < dim; axis++) sum[axis] += spots[agent * dim + axis];
+  }
+  return found ? sum.map((each) => each / found) : before;
+}
+
+/** Tell whether prey wander off for good through an open world in which nothing keeps them. @param {Recording} r */
+function wandersOff(r) {
+  const { sky, boundary, size } = r.header;
+  if (!sky || boundary !== "open" || r.dim > 2) return false;
+  let away = 0;
+  for (let tick = 0; tick <= r.ticks; tick++) {
+    const spots = r.position.subarray(tick * r.count * r.dim);
+    const [x, y] = centreOf(spots, r.dim, (agent) => r.there(agent, tick), r.prey, [0, 0]);
+    if (x < 0 || y < 0 || x > size[0] || y > size[1]) away += 1;
+  }
+  return away / (r.ticks + 1) > LEFT;
+}
+
 /** A recording with its camera. */
 export class Scene {
   /** @param {Recording} recording @param {Recording[]} [together] all that are shown side by side, at one scale */
   constructor(recording, together = [recording]) {
     this.recording = recording;
     this.paths = new Paths(recording);
-    const extents = together.map((each) => extentOf(each, together.length > 1 ? STRAY_TOGETHER : STRAY));
+    /** Whether the camera goes with the prey, until somebody drags it elsewhere. */
+    this.roams = wandersOff(recording);
+    this.held = false;
+    const stray = (/** @type {Recording} */ each) => (wandersOff(each) ? 0 : together.length > 1 ? STRAY_TOGETHER : STRAY);
+    const extents = together.map((each) => extentOf(each, stray(each)));
     const extent = {
       low: extents[0].low.map((_, axis) => Math.min(...extents.map(({ low }) => low[axis]))),
       high: extents[0].high.map((_, axis) => Math.max(...extents.map(({ high }) => high[axis]))),
@@ -75,9 +114,13 @@ export class Scene {
     const { recording, paths, lens, below, above, ribbons } = this;
     for (const layer of [below, above, ribbons]) layer.clear();
     paths.load(time);
+    if (this.roams && !this.held) {
+      const { dim, prey } = recording;
+      lens.follow(centreOf(paths.spot, dim, (agent) => paths.seen(agent, time), prey, lens.centre));
+    }
     lens.fit(this.rect);
     /** @type {View} */
-    const view = { recording, paths, lens, unit, time, theme, below, ribbons, above, switches };
+    const view = { recording, paths, lens, unit, time, theme, below, ribbons, above, switches, roams: this.roams };
     this.view = view;
     this._wrap();
     drawGround(view);
@@ -102,6 +145,7 @@ export class Scene {
     lens.place(width, 0);
     const [x1, y1] = [Math.min(lens.x, rect.x + rect.width), Math.min(lens.y, rect.y + rect.height)];
     this.clip = { x: x0, y: y0, width: Math.max(x1 - x0, 0), height: Math.max(y1 - y0, 0) };
+    if (recording.count > CUT) return;
     for (const x of [-1, 0, 1]) {
       for (const y of [-1, 0, 1]) if (x || y) this.images.push([x * width * lens.scale, y * height * lens.scale]);
     }

@@ -11,8 +11,8 @@ export const CAPSULE = 0,
   BOX = 2,
   QUAD = 3;
 
-/** Numbers a shape: kind, soft, stroke, tweak, a, b, sizes, colour, two opacities. */
-export const STRIDE = 15;
+/** Numbers a shape: kind, soft, stroke, tweak, a, b, sizes, colour, two opacities, and one that fills four texels. */
+export const STRIDE = 16;
 
 /** Numbers a point of a ribbon: place, distance from the middle, half the width, colour, opacity. */
 export const RIBBON = 8;

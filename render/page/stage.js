@@ -1,5 +1,6 @@
 /** Stage: the canvas that scenes are drawn on, side by side, and what pointers do there. */
 
+import { reachOf } from "./agents.js";
 import { Orbit } from "./camera.js";
 import { fillCard } from "./card.js";
 import { FlatPainter } from "./flat.js";
@@ -140,6 +141,7 @@ export class Stage {
       const there = this.labels.children[n] ?? this.labels.appendChild(document.createElement("span"));
       const label = /** @type {HTMLElement} */ (there);
       if (label.textContent !== words) label.textContent = words;
+      label.dir = "auto";
       label.className = kind;
       label.style.color = hue;
       label.style.transform = `translate(${x / ratio}px, ${y / ratio}px)`;
@@ -160,7 +162,9 @@ export class Stage {
     const [x, y] = this.pixel(n, agent).map((each) => each / ratio);
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const [w, h] = [this.card.offsetWidth, this.card.offsetHeight];
-    const left = x + 26 + w < width ? x + 26 : Math.max(x - 26 - w, 4);
+    const ring = scene.view ? reachOf(scene.view, agent) / ratio : 0;
+    const aside = Math.min(20 + 2.5 * ring, width / 5);
+    const left = x + aside + w < width ? x + aside : Math.max(x - aside - w, 4);
     const top = Math.min(Math.max(y - h / 2, 4), Math.max(height - h - 4, 4));
     this.card.style.transform = `translate(${Math.min(left, Math.max(width - w - 4, 0))}px, ${top}px)`;
   }
@@ -207,7 +211,10 @@ export class Stage {
 
   /** Show everything again. */
   home() {
-    for (const { lens } of this.scenes) lens.home();
+    for (const scene of this.scenes) {
+      scene.held = false;
+      scene.lens.home();
+    }
     this.following = false;
     this.touched();
   }
@@ -220,6 +227,11 @@ export class Stage {
 
   _listen() {
     new Pointers(this);
+    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      this.painter = WebGlPainter.on(this.canvas) ?? this.painter;
+      this.stale = true;
+    });
     this.canvas.addEventListener(
       "wheel",
       (event) => {
@@ -248,7 +260,10 @@ export class Stage {
 
   /** Drag all scenes. @param {number} dx @param {number} dy canvas px */
   drag(dx, dy) {
-    for (const { lens } of this.scenes) lens.drag(dx, dy);
+    for (const scene of this.scenes) {
+      scene.held = true;
+      scene.lens.drag(dx, dy);
+    }
     if (!(this.scenes[0].lens instanceof Orbit)) this.following = false;
     this.touched();
   }

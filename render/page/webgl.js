@@ -2,17 +2,23 @@
 
 import { RIBBON, STRIDE } from "./shapes.js";
 
+/** Shapes in a row of the texture that they are handed over in. Instances would do, but drawn in software they are slow. */
+const SHAPES = 256;
+
 const SHAPE_VERTEX = `#version 300 es
-layout(location=0) in vec4 how;    // kind, soft, stroke, tweak
-layout(location=1) in vec4 ends;   // a, b
-layout(location=2) in vec2 sizes;
-layout(location=3) in vec3 paint;
-layout(location=4) in vec2 alphas;
+#define SHAPES ${SHAPES}
+uniform highp sampler2D rows;
 uniform vec2 size, shift;
 flat out vec4 vHow, vEnds; flat out vec2 vSizes, vAlphas; flat out vec3 vPaint; out vec2 at;
 void main() {
-  vHow = how; vEnds = ends; vSizes = sizes; vAlphas = alphas; vPaint = paint;
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, a = ends.xy, b = ends.zw;
+  int shape = gl_VertexID / 6, n = gl_VertexID % 6;
+  ivec2 first = ivec2(shape % SHAPES * 4, shape / SHAPES);
+  vec4 how = texelFetch(rows, first, 0);                   // kind, soft, stroke, tweak
+  vec4 ends = texelFetch(rows, first + ivec2(1, 0), 0);    // a, b
+  vec4 both = texelFetch(rows, first + ivec2(2, 0), 0), rest = texelFetch(rows, first + ivec2(3, 0), 0);
+  vec2 sizes = both.xy, a = ends.xy, b = ends.zw;
+  vHow = how; vEnds = ends; vSizes = sizes; vAlphas = rest.yz; vPaint = vec3(both.zw, rest.x);
+  vec2 corner = vec2(n == 1 || n == 3 || n == 4, n == 2 || n == 4 || n == 5) * 2.0 - 1.0;
   float pad = how.y * 0.5 + how.z + 1.5;
   if (how.x < 0.5) {
     vec2 e = b - a; float far = length(e);
@@ -115,9 +121,9 @@ export class WebGlPainter {
     this.shapes = this._program(SHAPE_VERTEX, SHAPE_FRAGMENT);
     this.ribbons = this._program(RIBBON_VERTEX, RIBBON_FRAGMENT);
     this.screen = this._program(SCREEN_VERTEX, SCREEN_FRAGMENT);
-    this.shapeRows = this._rows([4, 4, 2, 3, 2], STRIDE, 1);
-    this.ribbonRows = this._rows([4, 4], RIBBON, 0);
+    this.ribbonRows = this._rows([4, 4], RIBBON);
     this.nothing = gl.createVertexArray();
+    this.shapeRows = [this._texture(), this._texture()];
     this.picture = gl.createTexture();
     this.frame = gl.createFramebuffer();
     this.width = 0;
@@ -140,8 +146,13 @@ export class WebGlPainter {
     return { program, size: gl.getUniformLocation(program, "size"), shift: gl.getUniformLocation(program, "shift") };
   }
 
-  /** Describe rows of numbers. @param {number[]} widths @param {number} stride @param {number} divisor */
-  _rows(widths, stride, divisor) {
+  /** Make room for shapes. */
+  _texture() {
+    return { texture: this.gl.createTexture(), height: 0 };
+  }
+
+  /** Describe rows of numbers. @param {number[]} widths @param {number} stride */
+  _rows(widths, stride) {
     const { gl } = this;
     const [array, buffer] = [gl.createVertexArray(), gl.createBuffer()];
     gl.bindVertexArray(array);
@@ -150,7 +161,6 @@ export class WebGlPainter {
     widths.forEach((width, place) => {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, width, gl.FLOAT, false, stride * 4, offset * 4);
-      gl.vertexAttribDivisor(place, divisor);
       offset += width;
     });
     return { array, buffer };
@@ -200,23 +210,45 @@ export class WebGlPainter {
     const { gl } = this;
     const bottom = Math.round(this.height - clip.y - clip.height);
     gl.scissor(Math.round(clip.x), bottom, Math.max(Math.round(clip.width), 0), Math.max(Math.round(clip.height), 0));
-    this._layer(this.shapes, this.shapeRows, below, images, () => gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, below.count));
-    this._layer(this.ribbons, this.ribbonRows, ribbons, images, () => gl.drawArrays(gl.TRIANGLE_STRIP, 0, ribbons.count));
-    this._layer(this.shapes, this.shapeRows, above, images, () => gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, above.count));
+    this._shapes(below, this.shapeRows[0], images);
+    if (ribbons.count) {
+      gl.bindVertexArray(this.ribbonRows.array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.ribbonRows.buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, ribbons.rows.subarray(0, ribbons.count * RIBBON), gl.STREAM_DRAW);
+      this._images(this.ribbons, images, () => gl.drawArrays(gl.TRIANGLE_STRIP, 0, ribbons.count));
+    }
+    this._shapes(above, this.shapeRows[1], images);
   }
 
   /**
-   * @param {{program: WebGLProgram, size: WebGLUniformLocation | null, shift: WebGLUniformLocation | null}} program
-   * @param {{array: WebGLVertexArrayObject | null, buffer: WebGLBuffer | null}} target
-   * @param {{rows: Float32Array, count: number, stride: number}} layer @param {number[][]} images @param {() => void} draw
+   * @param {import("./shapes.js").Shapes} shapes @param {{texture: WebGLTexture | null, height: number}} target
+   * @param {number[][]} images
    */
-  _layer(program, target, layer, images, draw) {
-    if (!layer.count) return;
+  _shapes({ rows, count }, target, images) {
+    if (!count) return;
+    const { gl } = this;
+    const [width, height] = [(SHAPES * STRIDE) / 4, Math.ceil(count / SHAPES)];
+    gl.bindVertexArray(this.nothing);
+    gl.bindTexture(gl.TEXTURE_2D, target.texture);
+    if (height > target.height) {
+      target.height = 2 * height;
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, width, target.height, 0, gl.RGBA, gl.FLOAT, null);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    }
+    const told = rows.subarray(0, height * SHAPES * STRIDE);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.FLOAT, told);
+    this._images(this.shapes, images, () => gl.drawArrays(gl.TRIANGLES, 0, 6 * count));
+  }
+
+  /**
+   * Draw what is bound, once for each image of a periodic world.
+   * @param {{program: WebGLProgram, size: WebGLUniformLocation | null, shift: WebGLUniformLocation | null}} program
+   * @param {number[][]} images @param {() => void} draw
+   */
+  _images(program, images, draw) {
     const { gl } = this;
     gl.useProgram(program.program);
-    gl.bindVertexArray(target.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, target.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, layer.rows.subarray(0, layer.count * layer.stride), gl.STREAM_DRAW);
     gl.uniform2f(program.size, this.width, this.height);
     for (const [x, y] of images) {
       gl.uniform2f(program.shift, x, y);

@@ -9,7 +9,7 @@ import time
 
 import tiswarm
 from tiswarm.engine.trials.batch import Blocks
-from tiswarm.records.results import processor
+from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
 
 TUNED = {"prey.strategy": "evasive", "prey.avoidance": "kitchen-sink"}

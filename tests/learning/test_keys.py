@@ -6,6 +6,8 @@ import pytest
 import tiswarm
 from tiswarm.learning.keys import Range, arms, read, split
 
+pytestmark = pytest.mark.quick
+
 
 def test_keys_are_read_as_ranges_and_choices():
     assert read("prey.goal=0.1:2") == ("prey.goal", (0.1, 2.0))

@@ -162,7 +162,8 @@ def test_kill_at_any_moment_leaves_the_same_bits(tmp_path):
         if run.poll() is None:
             os.kill(run.pid, signal.SIGKILL)
             run.wait()
-    subprocess.run(_command(*KILLED, "-o", tmp_path / "cut"), check=True, capture_output=True, timeout=120)
+    subprocess.run(_command(*KILLED, "--film", "-o", tmp_path / "cut"), check=True, capture_output=True, timeout=120)
+    assert (tmp_path / "cut" / "film.mp4").stat().st_size > 10_000
     whole, cut = _files(tmp_path / "whole"), _files(tmp_path / "cut")
     assert whole.keys() == cut.keys()
     assert whole == cut

@@ -11,6 +11,7 @@ from tiswarm.measures import recorded
 from tiswarm.measures.deadlocks import deadlocks
 from tiswarm.records.recording import Recording, Swarm
 from tiswarm.scenario.model import Scenario, ScenarioError
+from tiswarm.simd import runtime
 from tiswarm.studies.run import run_study
 
 MEASURES = ("trapped", "trapped-time", "trapped-milling")
@@ -177,7 +178,7 @@ class TestKernelAgainstRecording:
 def test_only_who_asks_has_the_rows_and_the_numbers(f32):
     plain = tiswarm.load("delft/avoidance-30", {"measures.names": ["speed"]})
     asks = plain.replaced({"measures.names": ["speed", "trapped"]})
-    without, having = (Layout(Structure.of([each], 0), tiswarm.runtime.types().lanes) for each in (plain, asks))
+    without, having = (Layout(Structure.of([each], 0), runtime.types().lanes) for each in (plain, asks))
     assert without.agent_rows["prey"] < having.agent_rows["prey"]
     assert set(having.paths) - set(without.paths) == {"measures.window", "measures.within", "measures.path"}
     one, other = (tiswarm.simulate(each, 50) for each in (plain, asks))

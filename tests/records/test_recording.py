@@ -6,6 +6,8 @@ import pytest
 import tiswarm
 from tiswarm.engine.trials.trial import field
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.fixture(scope="module")
 def path():

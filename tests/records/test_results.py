@@ -10,6 +10,8 @@ import pytest
 import tiswarm
 from tiswarm.records.results import COLUMNS
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.fixture(scope="module")
 def results():

@@ -62,16 +62,17 @@ class Browser:
 
     def look(self, width: int = 1280, height: int = 900, *, theme: str = "dark", calm: bool = True, webgl: bool = True) -> None:
         """Choose the window's size and what its reader prefers. calm: reduced motion."""
-        self._ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         features = {"prefers-color-scheme": theme, "prefers-reduced-motion": "reduce" if calm else "no-preference"}
-        self._ask("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in features.items()])
+        self.ask("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in features.items()])
         if self._blind is not None:
-            self._ask("Page.removeScriptToEvaluateOnNewDocument", identifier=self._blind)
+            self.ask("Page.removeScriptToEvaluateOnNewDocument", identifier=self._blind)
             self._blind = None
         if not webgl:
-            self._blind = self._ask("Page.addScriptToEvaluateOnNewDocument", source=WITHOUT_WEBGL)["identifier"]
+            self._blind = self.ask("Page.addScriptToEvaluateOnNewDocument", source=WITHOUT_WEBGL)["identifier"]
 
-    def _ask(self, command: str, **arguments):
+    def ask(self, command: str, **arguments):
+        """Ask the browser itself for something, by the protocol of its developers' tools."""
         return self.driver.execute_cdp_cmd(command, arguments)
 
     def open(self, path: Path, where: str = "") -> None:
@@ -85,10 +86,10 @@ class Browser:
         """Run a script in the page and give what it returns."""
         return self.driver.execute_script(script, *arguments)
 
-    def until(self, script: str, seconds: float = 30) -> None:
+    def until(self, script: str, *arguments, seconds: float = 30) -> None:
         """Wait until a script returns something true."""
         last = time.monotonic() + seconds
-        while not self.run(script):
+        while not self.run(script, *arguments):
             if time.monotonic() > last:
                 raise AssertionError(f"never came true: {script}")
             time.sleep(0.02)

@@ -9,6 +9,7 @@ import pytest
 
 import render
 import tiswarm
+from render.scene.trajectories import Trajectories
 from render.theme import DARK, LIGHT
 
 NASTY = "<script>window.hacked = 1</script><img src=x onerror=hacked=1>\"' &amp; </script> \u202eאבג " + "x" * 5000
@@ -52,6 +53,17 @@ def termed(make):
         pull = np.broadcast_to([0.25, -0.125], change.shape).copy()
         swarms[kind] = replace(swarm, terms={"goal": pull, "separation": change - pull})
     return replace(recording, **swarms)
+
+
+@pytest.fixture(scope="module")
+def deep(make):
+    """Make recordings of a 3-D world."""
+
+    def recording(**how):
+        scenario, where = tiswarm.load("lookout/aquarium"), np.array([[30.0, 20.0, 5.0], [45.0, 40.0, 9.0]])
+        return replace(make(dim=3, **how), scenario=scenario, obstacle_position=where)
+
+    return recording
 
 
 def shade(code: str) -> np.ndarray:
@@ -147,6 +159,33 @@ def test_the_keyboard_does_all(browser, page):
     assert browser.run("return document.documentElement.dataset.theme") == "light"
 
 
+def test_fingers_choose_drag_and_zoom(browser, page, calm):
+    browser.open(page, "#tick=7")
+    browser.drawn()
+    box = browser.run("const b = document.getElementById('stage').getBoundingClientRect(); return [b.x, b.y]")
+
+    def touch(kind: str, *spots) -> None:
+        points = [{"x": box[0] + x, "y": box[1] + y, "id": n} for n, (x, y) in enumerate(spots)]
+        browser.ask("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+
+    spot = pixels(browser, calm.prey.position[7, 2])
+    touch("touchStart", spot + np.array([12, 0]))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.chosen.agent === 2")
+    before = browser.run("return tiswarm.stage.scenes[0].lens.centre")
+    touch("touchStart", (300, 300))
+    touch("touchMove", (340, 300))
+    touch("touchMove", (400, 300))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.scenes[0].lens.centre[0] < arguments[0] - 1", before[0])
+    touch("touchStart", (300, 300), (400, 300))
+    touch("touchMove", (250, 300), (450, 300))
+    touch("touchMove", (200, 300), (500, 300))
+    touch("touchEnd")
+    browser.until("return tiswarm.stage.scenes[0].lens.zoom > 2")
+    assert browser.run("return tiswarm.stage.chosen.agent") == 2
+
+
 def test_every_control_has_a_name_and_can_be_reached(browser, page):
     from selenium.webdriver.common.keys import Keys
 
@@ -200,6 +239,21 @@ def test_terms_add_up_to_the_change_of_velocity(browser, termed, tmp_path, exact
     assert np.allclose(told["sum"], change, atol=2e-4)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_agents_go_the_way_that_films_show(browser, make, deep, tmp_path, dim):
+    recording = (make if dim == 2 else deep)(
+        prey_ends={0: (3, "captured"), 1: (4, "crashed"), 2: (5, "arrived")}, predator_ends={0: (3, "captured")}
+    )
+    browser.open(render.replay(recording, tmp_path / "chase.html", exact=True))
+    paths = Trajectories([recording])
+    for time in (0, 0.25, 2.5, 2.99, 3.5, 4.75, 8, 9):
+        script = "const {paths} = tiswarm.stage.scenes[0]; paths.load(arguments[0]); return [[...paths.spot], [...paths.slope]]"
+        spots, slopes = (np.reshape(each, (-1, dim)) for each in browser.run(script, time))
+        assert np.allclose(spots, paths.spots(time), atol=1e-4), time
+        going = np.flatnonzero(time < paths.end)
+        assert np.allclose(slopes[going], paths.speeds(time, going), atol=1e-4), time
+
+
 def test_events_are_counted_and_marked(browser, chase, tmp_path):
     browser.open(render.replay(chase, tmp_path / "chase.html"), "#tick=8")
     browser.drawn()
@@ -234,10 +288,8 @@ def assert_agents_of_both(window, recordings) -> None:
             assert np.abs(picture[y, x] - shade(DARK.predator)).max() <= 12
 
 
-def test_a_gallery_opens_what_is_clicked(browser, make, tmp_path):
-    path = render.replay(
-        [make(trial=1), make(trial=2), make(dim=3)], tmp_path / "all.html", gallery=True, labels=["a", "b", "c"]
-    )
+def test_a_gallery_opens_what_is_clicked(browser, make, deep, tmp_path):
+    path = render.replay([make(trial=1), make(trial=2), deep()], tmp_path / "all.html", gallery=True, labels=["a", "b", "c"])
     browser.open(path)
     said = browser.run("return [...document.querySelectorAll('#gallery a')].map(e => e.innerText)")
     assert [each.split("\n")[0] for each in said] == ["a", "b", "c"]
@@ -248,8 +300,8 @@ def test_a_gallery_opens_what_is_clicked(browser, make, tmp_path):
     assert browser.find("overview").is_displayed()
 
 
-def test_a_deep_world_turns_by_drag(browser, make, tmp_path):
-    browser.open(render.replay(make(dim=3), tmp_path / "deep.html"), "#tick=3")
+def test_a_deep_world_turns_by_drag(browser, deep, tmp_path):
+    browser.open(render.replay(deep(), tmp_path / "deep.html"), "#tick=3")
     before = browser.picture()
     browser.run("tiswarm.stage.drag(200, 60)")
     assert np.abs(browser.picture() - before).max(axis=2).mean() > 1
@@ -278,6 +330,22 @@ def test_a_periodic_world_has_no_streaks(browser, make, tmp_path):
     allowed = pixels(browser, np.mod(way, size).reshape(-1, 2))
     gaps = np.sqrt(((trails[:, None, :] - allowed[None]) ** 2).sum(axis=2)).min(axis=1)
     assert gaps.max() < 16
+
+
+def test_the_camera_goes_with_prey_that_leave_an_open_sky(browser, make, tmp_path):
+    bare = {"world.areas": [], "target.present": False, "obstacles.count": 0}
+    recording = make(state="calm", predators=0, ticks=20)
+    far = recording.prey.position + np.arange(21)[:, None, None] * [-30.0, 12.0]
+    swarm = replace(recording.prey, position=far, velocity=recording.prey.velocity + np.array([-30.0, 12.0]))
+    scenario = tiswarm.load("delft/pronav-10", bare)
+    gone = replace(recording, scenario=scenario, prey=swarm, obstacle_position=np.zeros((0, 2)), obstacle_radius=np.zeros(0))
+    browser.open(render.replay(gone, tmp_path / "gone.html"), "#tick=20")
+    assert_agents(browser, gone, 20, DARK)
+    middle = browser.run("return tiswarm.stage.scenes[0].lens.centre")
+    assert np.allclose(middle, far[20].mean(axis=0), atol=0.1)
+    browser.run("tiswarm.stage.drag(50, 0); tiswarm.clock.seek(0)")
+    browser.drawn()
+    assert browser.run("return tiswarm.stage.scenes[0].lens.centre")[0] < middle[0]
 
 
 def test_names_are_words_and_never_markup(browser, make, tmp_path):

@@ -7,6 +7,8 @@ import render
 from render.raster import faces
 from render.raster.glyphs import Atlas, width, wrapped
 
+pytestmark = pytest.mark.quick
+
 LINES = {
     "Chinese": "六只猎物穿过十个障碍物",
     "Cyrillic": "Шесть жертв",

@@ -11,6 +11,8 @@ import tiswarm
 from tiswarm.scenario import presets as module
 from tiswarm.scenario.model import Scenario
 
+pytestmark = pytest.mark.quick
+
 
 def _complaint(overrides, preset="delft/pronav-10"):
     with pytest.raises(tiswarm.ScenarioError) as caught:
@@ -75,6 +77,9 @@ def test_a_plain_name_finds_a_demo():
         ({"world.ticks": 0}, ("world.ticks", "0", "1 or more")),
         ({"world.dt": -1.0}, ("world.dt", "-1.0")),
         ({"target.radius": -4}, ("target.radius", "-4")),
+        ({"world.dt": 1e6, "prey.max_speed": 1e6}, ("prey.max_speed", "1e+12 m in a tick", "world.dt")),
+        ({"world.dt": 1e3, "predators.max_speed": 1e4}, ("predators.max_speed", "1e+07 m in a tick")),
+        ({"world.dt": 1e6, "prey.spawn.velocity": [[-5, 0], [0, 0]]}, ("prey.spawn.velocity", "5e+06 m in a tick")),
         ({"title": 5}, ("title", "5", "text")),
         ({"title.x": 5}, ("title.x", "not a table")),
     ],

@@ -6,6 +6,8 @@ import taichi as ti
 
 from tiswarm.simd import philox, runtime
 
+pytestmark = pytest.mark.quick
+
 # Random123's kat_vectors, philox 4x32 with 10 rounds: counter, key, result.
 KNOWN_ANSWERS = [
     ((0, 0, 0, 0), (0, 0), (0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8)),

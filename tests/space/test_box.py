@@ -7,6 +7,8 @@ import taichi as ti
 from tiswarm.simd import runtime
 from tiswarm.space import box, box_lanes
 
+pytestmark = pytest.mark.quick
+
 SIZE = (10.0, 4.0, 7.0)
 
 

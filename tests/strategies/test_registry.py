@@ -6,6 +6,8 @@ import pytest
 import tiswarm
 from tiswarm.strategies import registry
 
+pytestmark = pytest.mark.quick
+
 RUNNER = '''"""Runner: run along the x axis."""
 
 from dataclasses import dataclass
@@ -101,3 +103,48 @@ def test_a_file_without_a_strategy_is_named(own_folder):
 def test_a_folder_without_strategies_is_refused(tmp_path):
     with pytest.raises(ValueError, match="has no folder named prey, predators or avoidance"):
         tiswarm.add_path(tmp_path)
+
+
+PLAIN = '''"""Plain."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from tiswarm.strategies import Prey
+
+
+class Strategy(Prey):
+    parts = ()
+
+    @dataclass(frozen=True)
+    class Weights:
+        pace: float = 0.25
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "mend"),
+    [
+        ("class Strategy(Prey)", "class Strategy", "write class Strategy(Prey)"),
+        ("class Strategy(Prey)", "Strategy = Prey()\nclass Other(Prey)", "has no class named Strategy"),
+        ("parts = ()", "parts = None", "write a tuple of names"),
+        ("parts = ()", 'parts = "explode"', "write a tuple of names"),
+        ("parts = ()", "parts = (1,)", "write a tuple of names"),
+        ("parts = ()", 'parts = ("bad",)', "bad -> bad are a circle"),
+        ("parts = ()", 'parts = ("explod",)', "bad.py: parts: unknown 'explod'; did you mean 'explode'?"),
+        ("@dataclass(frozen=True)", "@staticmethod\n    def none(): ...\n", "Weights is no dataclass"),
+        ("pace: float = 0.25", "pace: float", "write pace: float = 0.0"),
+        ("pace: float = 0.25", 'pace: float = "fast"', "write pace: float = 0.0"),
+        ("pace: float = 0.25", "pace: float = None", "write pace: float = 0.0"),
+        ("pace: float = 0.25", 'pace: float = float("nan")', "write pace: float = 0.0"),
+        ("pace: float = 0.25", 'pace: Literal["a", "b"] = "c"', "must be one of 'a', 'b'"),
+        ("pace: float = 0.25", 'pace: Literal["a", "b"]', "must be one of 'a', 'b'"),
+    ],
+)
+def test_a_strategy_that_lacks_something_gets_one_line(own_folder, old, new, mend):
+    (own_folder / "prey" / "bad.py").write_text(PLAIN.replace(old, new))
+    tiswarm.add_path(own_folder)
+    with pytest.raises(ValueError, match=r"bad") as caught:
+        tiswarm.load("delft/avoidance-10", {"prey.strategy": "bad"})
+    assert mend in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -7,6 +7,8 @@ from pydantic import ValidationError
 from tiswarm import ScenarioError
 from tiswarm.studies.axes import Axis, label, points
 
+pytestmark = pytest.mark.quick
+
 
 def test_a_grid_visits_every_value_with_every_other_the_last_axis_fastest():
     axes = [Axis(key="a", values=(1, 2)), Axis(key="b", values=("x", "y", "z"))]

@@ -6,6 +6,8 @@ from scipy import stats
 
 from tiswarm.studies.statistics import correlation, holm_corrected, paired_tests, share_estimate, wilson
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.mark.parametrize(("hits", "n"), [(0, 5), (3, 10), (50, 50), (731, 1000)])
 def test_wilson_is_scipys_for_whole_counts(hits, n):

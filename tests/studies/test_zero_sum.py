@@ -5,6 +5,8 @@ import pytest
 
 from tiswarm.studies.zero_sum import best_responses, bootstrap, dominated, solve
 
+pytestmark = pytest.mark.quick
+
 
 def test_matching_pennies():
     found = solve(np.array([[1.0, -1], [-1, 1]]))

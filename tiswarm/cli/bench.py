@@ -37,10 +37,13 @@ def bench(
 ) -> None:
     """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
     from tiswarm.cli import figures as charts
+    from tiswarm.cli import race
     from tiswarm.cli.progress_table import watching
+    from tiswarm.learning import arms_race
     from tiswarm.studies import console, design, export, run
     from tiswarm.studies.payoffs import contest
     from tiswarm.system.files import write_text
+    from tiswarm.system.owner import locked
 
     if trials is not None and trials < 1:
         raise WrongInput(f"--trials {trials}: use 1 or more")
@@ -48,18 +51,25 @@ def bench(
         export.check_parquet()
     drawn = charts.chosen(figures)
     start(seed or 0, threads, precision, strategy_path)
-    stated = design.load_study(study)
     folder = output or Path("out") / Path(study).stem
+    rules = arms_race.rules_of(study)
+    if rules is not None:
+        if sets or figures or per_trial:
+            raise WrongInput(f"{study}: an arms race; drop --set, --figures, --per-trial and --parquet, or change its file")
+        race.run(rules, folder, seed, trials, fresh, quiet)
+        return
+    stated = design.load_study(study)
     overrides = dict(assignment(each) for each in sets or [])
-    with watching(not quiet, stated.measures) as (report_trials, finished):
-        report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
-    export.write(report, folder, per_trial, parquet)
-    played = contest(report)
-    if played is not None:
-        write_text(folder / "game.json", played.to_json())
-    can_draw = importlib.util.find_spec("matplotlib") is not None
-    if can_draw:
-        charts.draw(report, folder, played)
+    with locked(folder):
+        with watching(not quiet, stated.measures) as (report_trials, finished):
+            report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
+        export.write(report, folder, per_trial, parquet)
+        played = contest(report)
+        if played is not None:
+            write_text(folder / "game.json", played.to_json())
+        can_draw = importlib.util.find_spec("matplotlib") is not None
+        if can_draw:
+            charts.draw(report, folder, played)
     console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
         runs = sum(row.trials for row in report.rows)

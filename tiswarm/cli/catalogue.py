@@ -49,7 +49,7 @@ def show(
     """Print a scenario as TOML, defaults filled in."""
     import json
 
-    from tiswarm.engine.choice import engine_of
+    from tiswarm.engine.choice import engine_of, reason_of
     from tiswarm.scenario.model import Scenario
     from tiswarm.strategies import registry
 
@@ -61,4 +61,4 @@ def show(
         raise WrongInput("show: name a preset, for example 'tiswarm show delft/pronav-10', or use --schema")
     else:
         scenario = load_scenario(preset, sets)
-        sys.stdout.write(f"# engine: {engine_of(scenario)}\n{scenario.to_toml()}")
+        sys.stdout.write(f"# engine: {engine_of(scenario)} ({reason_of(scenario)})\n{scenario.to_toml()}")

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,11 +20,13 @@ from tiswarm.cli.options import (
     Theme,
     Threads,
     WrongInput,
+    frame_rate,
     load_scenario,
     out,
     pair,
     start,
 )
+from tiswarm.system.files import check_writable
 from tiswarm.system.progress import begin_work, reporting
 
 
@@ -79,12 +82,22 @@ def film(
     quiet: Quiet = False,
 ) -> None:
     """Run one trial and film it, or several at once, film a recording, or a trial that a study's table counted."""
+    # Long by its options, of which it has many: a verb's signature is its help.
     import render
 
     overlays = tuple(name for name in _names(overlay) if name != "field")
     look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": overlays, "slow": slow}
     render.Look(**look)  # wrong choices are told before anything runs
     pixels = pair(size, "--size", "1280x720")
+    rate = frame_rate(fps)
+    planned = output or Path("out") / "film.mp4"  # its name is not known yet, its format is
+    render.check_film(planned, pixels, rate, quality)
+    for image in (poster, sheet):
+        if image is not None:
+            render.check_image(image)
+    for each in (planned, poster, sheet):
+        if each is not None:
+            check_writable(each.parent)
     picks = [pick for pick, wanted in (("worst", worst), ("median", median), ("best", best)) if wanted]
     if source.endswith(".json"):
         if sets or grid or versus or seed:
@@ -101,7 +114,7 @@ def film(
         subject, name = _subject(source, sets, trial, seed, grid, versus)
     if "field" in _names(overlay):
         look["field"] = _field(subject)
-    _film(subject, output or Path("out") / f"{name}.mp4", pixels, fps, quiet, quality=quality, **look)
+    _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(_again(subject), poster, size=pixels, time=_middle(subject), **look)
     if sheet is not None:
@@ -220,22 +233,27 @@ def demo(
     quiet: Quiet = False,
 ) -> None:
     """Simulate and film a showcase into out/."""
+    import render
     import tiswarm
 
     pixels = pair(size, "--size", "1280x720")
+    rate = frame_rate(fps)
+    path = output or Path("out") / f"{name.replace('/', '-')}.mp4"
+    render.check_film(path, pixels, rate)
+    check_writable(path.parent)
     start(seed or 0, threads, precision)
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
     subject = _played(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(subject, output or Path("out") / f"{name.replace('/', '-')}.mp4", pixels, fps, quiet, theme=theme)
+    _film(subject, path, pixels, rate, quiet, theme=theme)
 
 
-def _film(subject: Any, path: Path, size: tuple[int, int], fps: int | None, quiet: bool, **look: Any) -> None:
+def _film(subject: Any, path: Path, size: tuple[int, int], rate: Fraction | None, quiet: bool, **look: Any) -> None:
     import render
 
     started = time.perf_counter()
     with _frame_report(quiet) as report:
-        film = render.film(subject, path, size=size, fps=fps, progress=report, **look)
+        film = render.film(subject, path, size=size, fps=rate, progress=report, **look)
     if quiet:
         return
     first, *others = subject if isinstance(subject, list) else [subject]

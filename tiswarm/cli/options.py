@@ -1,7 +1,9 @@
 """Options: what the verbs of the command line take, and how it is read."""
 
+import re
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
@@ -10,7 +12,16 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
+
+class _Output(Console):
+    """Standard output, whose reader may go away: rich would end the process with 1."""
+
+    def on_broken_pipe(self) -> None:
+        """Leave it to the caller."""
+        raise BrokenPipeError
+
+
+out = _Output(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
 
 Preset = Annotated[
     str, typer.Argument(metavar="PRESET", help="A preset's name (see 'tiswarm presets') or the path of a TOML file.")
@@ -30,7 +41,9 @@ StrategyPath = Annotated[
 ]
 Theme = Annotated[str, typer.Option("--theme", metavar="NAME", help="dark, light or print.")]
 Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height of the film in pixels, both even.")]
-Fps = Annotated[int | None, typer.Option("--fps", metavar="N", help="Frames per second; 60, or 25 in a GIF, when left out.")]
+Fps = Annotated[
+    str | None, typer.Option("--fps", metavar="N", help="Frames per second, such as 29.97 or 30000/1001; 60, or 25 in a GIF.")
+]
 
 
 _COMMON: dict[str, tuple[Any, Any]] = {
@@ -91,6 +104,18 @@ def assignment(text: str) -> tuple[str, Any]:
         return key.strip(), tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return key.strip(), value.strip()
+
+
+def frame_rate(text: str | None) -> Fraction | None:
+    """Read frames per second: a whole number, a decimal or a fraction."""
+    if text is None:
+        return None
+    try:
+        if re.fullmatch(r"\d{1,9}([.]\d{1,9})?|\d{1,9}/\d{1,9}", text.strip(), re.ASCII):
+            return Fraction(text.strip())
+    except ZeroDivisionError:
+        pass
+    raise WrongInput(f"--fps {text}: write a number, for example --fps 60, --fps 29.97 or --fps 30000/1001")
 
 
 def pair(text: str, option: str, example: str) -> tuple[int, int]:

@@ -12,6 +12,9 @@ from tiswarm.cli.options import Precision, Quiet, Seed, Sets, StrategyPath, Thre
 MOST = 400
 """Recordings that a gallery shows."""
 
+HEAVY = 60_000_000
+"""Pages of more bytes than this take browsers long to open."""
+
 
 def replay(
     sources: Annotated[
@@ -31,6 +34,9 @@ def replay(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="The page; out/NAME.html when left out.")
     ] = None,
     open_it: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
+    terms: Annotated[
+        bool, typer.Option("--terms", help="Keep what each term adds to every velocity, to be shown as arrows.")
+    ] = False,
     exact: Annotated[bool, typer.Option("--exact", help="Keep float32 instead of 16 bits a number.")] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
@@ -47,8 +53,10 @@ def replay(
     places = [Path(each) for each in sources]
     gallery = len(places) == 1 and (places[0].is_dir() or _is_manifest(places[0]))
     ran = not gallery and len(sources) == 1 and not _is_file(sources[0])
-    if not ran and (sets or versus or seed or (trial and places[0].is_dir())):
-        raise WrongInput(f"{sources[0]}: is recorded already; replay a preset to use --set, --versus, --seed or --trial")
+    if not ran and (sets or versus or seed or terms or (trial and places[0].is_dir())):
+        raise WrongInput(
+            f"{sources[0]}: is recorded already; replay a preset to use --set, --versus, --terms, --seed or --trial"
+        )
     chosen: dict[str, Any] = {"exact": exact}
     if gallery:
         recordings, labels = _shelf(places[0], trial, threads, strategy_path)
@@ -56,7 +64,7 @@ def replay(
         chosen |= {"gallery": True, "title": name}
     elif ran:
         start(seed, threads, precision, strategy_path)
-        recordings, labels, name = _run(sources[0], sets, trial, seed, versus)
+        recordings, labels, name = _run(sources[0], sets, trial, seed, versus, terms)
         chosen["fields"] = [_field(each) for each in recordings]
     else:
         for folder in strategy_path or []:
@@ -65,7 +73,9 @@ def replay(
     path = render.replay(recordings, output or Path("out") / f"{name}.html", labels=labels, **chosen)
     if not quiet:
         count = f"{len(recordings)} recordings, " if len(recordings) > 1 else ""
-        out.print(f"{path}  ({count}{path.stat().st_size / 1000:.0f} kB; opens in any browser, needs no network)")
+        size = path.stat().st_size
+        hint = "a film suits so many agents better" if size > HEAVY else "opens in any browser, needs no network"
+        out.print(f"{path}  ({count}{size / 1000:.0f} kB; {hint})")
     if open_it and not webbrowser.open(path.resolve().as_uri()):
         raise WrongInput(f"--open: no browser found; open {path} yourself")
 
@@ -123,18 +133,20 @@ def _shelf(place: Path, trial: int, threads: int | None, strategy_path: Sequence
     return [study.record(cell, trial) for cell in cells], [study.row(cell) for cell in cells]
 
 
-def _run(preset: str, sets: list[str] | None, trial: int, seed: int, versus: str | None) -> tuple[list[Any], list[str], str]:
+def _run(
+    preset: str, sets: list[str] | None, trial: int, seed: int, versus: str | None, terms: bool
+) -> tuple[list[Any], list[str], str]:
     """Run a trial of a preset, or the same under several prey strategies."""
     import tiswarm
 
     plain = Path(preset).stem if preset.endswith(".toml") else preset.replace("/", "-")
     if versus is None:
-        return [tiswarm.record(load_scenario(preset, sets), trial, seed)], [""], f"{plain}-{trial}"
+        return [tiswarm.record(load_scenario(preset, sets), trial, seed, terms=terms)], [""], f"{plain}-{trial}"
     strategies = [each.strip() for each in versus.split(",") if each.strip()]
     if not 2 <= len(strategies) <= 4:
         raise WrongInput(f"--versus {versus}: name two to four prey strategies, for example --versus evasive,split-evasive")
     scenarios = [load_scenario(preset, [*(sets or []), f"prey.strategy={each}"]) for each in strategies]
-    return [tiswarm.record(each, trial, seed) for each in scenarios], strategies, f"{plain}-{trial}-versus"
+    return [tiswarm.record(each, trial, seed, terms=terms) for each in scenarios], strategies, f"{plain}-{trial}-versus"
 
 
 def _field(recording: Any) -> Any:

@@ -7,8 +7,8 @@ import numpy as np
 
 from tiswarm.cli.options import WrongInput
 from tiswarm.engine.run import record, simulate
-from tiswarm.scenario.model import validated
-from tiswarm.studies.run import outcomes_of
+from tiswarm.scenario.model import Scenario, validated
+from tiswarm.studies.run import columns_of, outcomes_of
 from tiswarm.studies.store import read_cell, read_manifest
 
 
@@ -42,12 +42,19 @@ class Rebuilt:
 
     def outcomes(self, number: int) -> dict[str, np.ndarray]:
         """Give the outcomes of a cell's trials: from its file, or run again when that is gone. name -> [trial]."""
-        held = read_cell(self._folder, number, self._told["trials"])
+        cell = self.cell(number)
+        held = read_cell(self._folder, self._told, number, columns_of(self._told["measures"]))
         if held is not None:
             return held
-        cell = self.cell(number)
-        results = simulate(validated(cell["scenario"]), self._told["trials"], cell["seed"])
+        results = simulate(self._scenario(cell), self._told["trials"], cell["seed"])
         return outcomes_of(results, self._told["measures"])
+
+    def _scenario(self, cell: dict[str, Any]) -> Scenario:
+        """Build a cell's scenario. Errors: WrongInput when it is not the one that the manifest counted."""
+        scenario = validated(cell["scenario"])
+        if scenario.hash() != cell["scenario_hash"]:
+            raise WrongInput(f"{self._folder}: the manifest's cell {cell['cell']} is damaged; run the study again with --fresh")
+        return scenario
 
     def picked(self, number: int, pick: str) -> int:
         """Choose a trial by the study's first measure, large is good; ties by time, short is good; then by number."""
@@ -64,7 +71,7 @@ class Rebuilt:
         cell = self.cell(number)
         if not 0 <= trial < self._told["trials"]:
             raise WrongInput(f"--trial {trial}: cell {number} has trials 0 to {self._told['trials'] - 1}")
-        recording = record(validated(cell["scenario"]), trial, cell["seed"])
+        recording = record(self._scenario(cell), trial, cell["seed"])
         counted = {name: int(values[trial]) for name, values in self.outcomes(number).items() if name in ("arrived", "ticks")}
         again = {"arrived": int((recording.prey.fate == "arrived").sum()), "ticks": recording.ticks}
         if again != counted:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from tiswarm.cli.options import (
@@ -20,6 +21,7 @@ from tiswarm.cli.options import (
     out,
     start,
 )
+from tiswarm.system.words import safe
 
 
 def tune(
@@ -40,6 +42,10 @@ def tune(
         str | None,
         typer.Option("--minimise", metavar="MEASURE", help="A measure to make small instead: success for predators."),
     ] = None,
+    network: Annotated[
+        str,
+        typer.Option("--network", metavar="SIDE", help="Train the network of the prey or the predators."),
+    ] = "",
     also: Annotated[
         list[str] | None,
         typer.Option("--also", metavar="PRESET", help="Count this scenario, too, with the same --set; repeat for more."),
@@ -60,6 +66,9 @@ def tune(
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Throw away what the folder holds, instead of going on with it.")
     ] = False,
+    film: Annotated[
+        bool, typer.Option("--film", help="Also film start and found side by side, trial 0, as DIR/film.mp4.")
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -68,23 +77,25 @@ def tune(
     quiet: Quiet = False,
 ) -> None:
     """Find numbers that make an objective large, validated on new trials. A search cut short goes on where it stopped."""
+    # Long by its options: a verb's signature is its help.
     from tiswarm.cli import tune_figures
     from tiswarm.cli.tune_table import watching
     from tiswarm.learning import keys
     from tiswarm.learning.tune import tune as search
+    from tiswarm.system.owner import locked
 
     if maximise is not None and minimise is not None:
         raise WrongInput("--maximise, --minimise: use one of them")
-    if not over:
+    if not over and not network:
         raise WrongInput("tune: nothing to change; name a key, for example --over prey.weights.evade=0:0.1")
-    ranges = dict(keys.read(each) for each in over)
-    if len(ranges) < len(over):
+    ranges = dict(keys.read(each) for each in over or [])
+    if len(ranges) < len(over or []):
         raise WrongInput("--over: a key is named twice; give it one range")
     objective = negated(minimise) if minimise is not None else maximise or "success"
     start(seed, threads, precision, strategy_path)
     scenarios = [load_scenario(each, sets) for each in (preset, *(also or []))]
     folder = output or Path("out") / f"tune-{Path(preset).stem if preset.endswith('.toml') else preset.replace('/', '-')}"
-    with watching(not quiet) as (report, finished):
+    with locked(folder), watching(not quiet) as (report, finished):
         tuned = search(
             scenarios,
             ranges,
@@ -98,17 +109,29 @@ def tune(
             seed,
             folder,
             fresh,
-            report,
-            finished,
+            network,
+            progress=report,
+            finished=finished,
         )
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
         tune_figures.draw(tuned, folder)
+    if film:
+        _film(tuned, folder)
     print_tuned(tuned)
     if not quiet:
         missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
         count = sum(len(made.scores) * trials for made in tuned.history)
         out.print(f"{count:,} trials searched, {tuned.seconds:.1f} s, seed {seed}; written to {folder}{missing}")
+
+
+def _film(tuned: Any, folder: Path) -> None:
+    """Film one trial as it was and as it is, under the same luck."""
+    import render
+    import tiswarm
+
+    both = [tiswarm.record(each, 0, tuned.seed) for each in (tuned.starts[0], tuned.scenario)]
+    render.film(both, folder / "film.mp4", labels=["start", "found"])
 
 
 def negated(text: str) -> str:
@@ -136,5 +159,5 @@ def print_tuned(tuned: Any) -> None:
     for each in tuned.validations:
         cells = [f"{e.mean:.4f} ± {(e.high - e.low) / 2:.4f}" for e in (each.start, each.tuned)]
         away = each.difference
-        table.add_row(each.title, *cells, f"{away.mean:+.4f} ± {(away.high - away.low) / 2:.4f}")
+        table.add_row(escape(safe(each.title)), *cells, f"{away.mean:+.4f} ± {(away.high - away.low) / 2:.4f}")
     out.print(table)

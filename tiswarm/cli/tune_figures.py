@@ -53,18 +53,18 @@ def _candidates(tuned: Any, folder: Path, title: str) -> Path:
 
     own = [made for made in tuned.history if made.arm_number == tuned.best.arm]
     arm = own[0].arm
-    units = np.concatenate([made.units for made in own])
+    units = np.concatenate([made.units[:, : len(arm.ranges)] for made in own])
     rank = np.concatenate([np.argsort(np.argsort(made.scores)) / max(len(made.scores) - 1, 1) for made in own])
     some = np.linspace(0, len(units) - 1, min(MOST_LINES, len(units))).astype(int)
     ends = [(f"{each.low:g}", f"{each.high:g}") for each in arm.ranges]
-    best = np.array([each.unit(value) for each, value in zip(arm.ranges, tuned.best.values, strict=True)])
+    best = np.array([each.unit(value) for each, value in zip(arm.ranges, tuned.best.values, strict=False)])
     names = [each.path for each in arm.ranges]
     return parallel(
         names,
         ends,
         units[some],
         rank[some],
-        arm.start,
+        arm.start[: len(arm.ranges)],
         best,
         folder / "candidates.png",
         title,

@@ -6,8 +6,9 @@ import taichi as ti
 
 from tiswarm.dynamics.table import ARRIVED, CRASHED, Layout
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, unit
+from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, smaller, unit
 from tiswarm.simd.runtime import Func, Types
+from tiswarm.space import box, box_lanes
 
 
 @dataclass(frozen=True)
@@ -17,13 +18,15 @@ class ContactRules:
     meet_obstacle: dict[str, Func]
     crash: dict[str, Func]
     touches: Func
+    nearest: Func  # the way between two bodies where a touch is judged
+    travel_of: Func
     die: Func  # take an agent out of the trial where `dies` is 1
     arrive: Func
     rebound: Func
 
 
 def build(layout: Layout, types: Types, see: Views) -> ContactRules:
-    """Build meet_obstacle and crash (kind -> func), touches, die, arrive and rebound.
+    """Build meet_obstacle and crash (kind -> func), touches, nearest, travel_of, die, arrive and rebound.
 
     Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`
     is 0 for a start that has not moved yet, which is not judged. Judging the same state twice changes nothing the second time.
@@ -39,11 +42,37 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
         return dot(way, way) < reach * reach
 
     @ti.func
-    def reached(me: ti.template(), target, numbers: ti.template(), b, depth):
+    def travel_of(agents: ti.template(), a):
+        """Give how far an agent came in the last tick; zeros where nobody asks."""
+        way = [lanes(0.0) for _ in ti.static(range(dim))]
+        for k, row in ti.static(enumerate(rows.travel)):
+            way[k] = agents[a + row]
+        return way
+
+    @ti.func
+    def nearest(way: ti.template(), travel: ti.template(), numbers: ti.template(), b):
+        """Give the way between two bodies where a touch is judged: after the move, or where they came closest in the tick.
+
+        travel: of the one at the end of `way` against the other. Both moved evenly on straight lines from their last places, so
+        that the way between them ran from way - travel to way.
+        """
+        found = [1.0 * way[k] for k in ti.static(range(dim))]
+        if ti.static(frame.swept):
+            for k in ti.static(range(dim)):
+                found[k] = way[k] - 0.5 * travel[k]
+                if ti.static(box.wraps(frame.boundary)):
+                    found[k] = box_lanes.adjacent(found[k], numbers[b * width + at.size[k]])
+            share = larger(smaller(0.0 - dot(found, travel) / safe(dot(travel, travel)), 0.5), -0.5)
+            for k in ti.static(range(dim)):
+                found[k] += share * travel[k]
+        return found
+
+    @ti.func
+    def reached(me: ti.template(), travel: ti.template(), target, numbers: ti.template(), b, depth):
         """Give 1 where an agent's centre is within `depth` of the target's."""
         inside = lanes(0.0)
         if ti.static(frame.targeted):
-            way = see.gap(me, target, numbers, b)
+            way = nearest(see.gap(me, target, numbers, b), travel, numbers, b)
             inside = near(dot(way, way), depth)
         return inside
 
@@ -58,12 +87,12 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
 
         @ti.func
         def meet_obstacle(
-            touched: ti.template(), pull: ti.template(), me: ti.template(), obstacle: ti.template(), away: ti.template(),
-            target: ti.template(), numbers: ti.template(), b,
+            touched: ti.template(), pull: ti.template(), me: ti.template(), travel: ti.template(), obstacle: ti.template(),
+            away: ti.template(), target: ti.template(), numbers: ti.template(), b,
         ):  # fmt: skip
             """Count an obstacle that an agent touches in touched[0], and add its fields to `pull`: both need the distance."""
             distance2 = dot(away, away)
-            touched[0] += ti.select(touches(away, me.radius + obstacle.radius), 1.0, 0.0)
+            touched[0] += ti.select(touches(nearest(away, travel, numbers, b), me.radius + obstacle.radius), 1.0, 0.0)
             for p in ti.static(fields):
                 weights = see.weights_of(p, numbers, b)
                 reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
@@ -94,7 +123,7 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
         crashed = lanes(0.0)
         if ti.static(not frame.counts_hits):
             hit = ti.select(touched > 0.5, 1.0, 0.0)
-            crashed = moved * me.alive * larger(hit, reached(me, target, numbers, b, target.radius))
+            crashed = moved * me.alive * larger(hit, reached(me, travel_of(agents, a), target, numbers, b, target.radius))
             die(agents, a, crashed, CRASHED)
         return crashed
 
@@ -102,7 +131,7 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
     def arrive(agents: ti.template(), a, me: ti.template(), moved, target, numbers: ti.template(), b):
         """Take a prey that lies wholly inside the target out of the trial; give 1 where it arrives."""
         depth = larger(target.radius - numbers[b * width + at.prey.radius], 0.0)
-        arrived = moved * agents[a + rows.alive] * reached(me, target, numbers, b, depth)
+        arrived = moved * agents[a + rows.alive] * reached(me, travel_of(agents, a), target, numbers, b, depth)
         die(agents, a, arrived, ARRIVED)
         return arrived
 
@@ -123,6 +152,8 @@ def build(layout: Layout, types: Types, see: Views) -> ContactRules:
         meet_obstacle={kind: meets_obstacle(kind) for kind in ("prey", "predators")},
         crash={"prey": crash_prey, "predators": crash_predator},
         touches=touches,
+        nearest=nearest,
+        travel_of=travel_of,
         die=die,
         arrive=arrive,
         rebound=rebound,

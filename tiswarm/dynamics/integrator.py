@@ -126,6 +126,12 @@ def build(layout: Layout) -> Steps:
             size = [numbers[n + column] for column in ti.static(at.size)]
             box_lanes.confine(frame.boundary, to, rate, size, numbers[n + columns.radius])
             for k in ti.static(range(dim)):
+                if ti.static(frame.swept):
+                    end = agents[a + rows.next_place[k]] if ti.static(box.wraps(frame.boundary)) else to[k]
+                    travel = end - agents[a + rows.place[k]]
+                    if ti.static(frame.verlet):  # the half step that went before
+                        travel = travel + 0.5 * numbers[n + at.dt] * agents[a + rows.motion[k]]
+                    agents[a + rows.travel[k]] = travel
                 agents[a + rows.place[k]] = ti.select(here, to[k], agents[a + rows.place[k]])
                 agents[a + rows.motion[k]] = rate[k]
 

@@ -21,11 +21,6 @@ def watching(layout: Layout) -> bool:
     return layout.structure.hunted and any(p.strategy.watches for p in layout.parts("prey", "strategy"))
 
 
-def flocking(layout: Layout, kind: str) -> bool:
-    """Tell whether separation, cohesion and alignment act on agents of a kind in any trial."""
-    return all(p.strategy.flocks or p.part.mixed for p in layout.parts(kind, "strategy"))
-
-
 @dataclass(frozen=True)
 class SightTerms:
     """What one kind of agents makes of its mates."""
@@ -118,6 +113,7 @@ class NeighbourSearch:
 class AllPairs(NeighbourSearch):
     """The search that visits everybody of a trial."""
 
+    notice: Func  # let a network note the obstacles
     swarm_of: Func  # give the means over the alive prey, zero when there are none
 
 
@@ -204,6 +200,13 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
             p.strategy.look(notes, me, course, see.sight(me, obstacle, here.numbers, here.b), obstacle, weights)
 
     @ti.func
+    def notice(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), weights):
+        """Let a network note the obstacles."""
+        for j in range(here.counts[2]):
+            obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
+            p.strategy.notice(notes, me, obstacle, see.sight(me, obstacle, here.numbers, here.b), weights)
+
+    @ti.func
     def swarm_of(prey: ti.template(), b, count, age):
         """Give the means over the alive prey, zero when there are none."""
         swarm = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 1))], age)
@@ -226,5 +229,6 @@ def build(layout: Layout, types: Types, see: Views) -> AllPairs:
         chase=chase,
         blocked=blocked,
         look=look,
+        notice=notice,
         swarm_of=swarm_of,
     )

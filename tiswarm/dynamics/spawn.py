@@ -38,6 +38,7 @@ class Starts:
 
 def build(layout: Layout, types: Types) -> Starts:
     """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, integers = types.lanes, types.integer_lanes
     uniform = philox.build(types).uniform
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
@@ -119,6 +120,8 @@ def build(layout: Layout, types: Types) -> Starts:
                 store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
                 store(agents, a + rows.seen, fresh, lanes(0.0))
                 store(agents, a + rows.hit, fresh, lanes(0.0))
+                for row in ti.static(rows.travel):
+                    store(agents, a + row, fresh, lanes(0.0))
                 for row in range(rows.count, own_rows):  # the strategies' memory
                     store(agents, a + row, fresh, lanes(0.0))
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics import integrator, perception
+from tiswarm.dynamics import integrator, networks
 from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import Layout
@@ -12,6 +12,7 @@ from tiswarm.dynamics.views import Views
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import minus, motion
 from tiswarm.simd.runtime import Func, Types
+from tiswarm.strategies.flocking import flock
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,9 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
     remembering = [p for p in strategies if "remember" in p.own]
     starting = [p for p in strategies if "start" in p.own]
     pursuits = layout.parts("predators", "strategy")
+    consults = networks.build(layout, see, senses)
+    led = any(p.part in consults for p in strategies)
+    chasing = any(p.part in consults for p in pursuits)
 
     @ti.func
     def memory_of(p: ti.template(), agents: ti.template(), a):
@@ -64,15 +68,34 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
                 prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
 
     @ti.func
-    def pulled(here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b):
+    def note(agents: ti.template(), a, kind: ti.template(), term: ti.template(), course: ti.template()):
+        """Write down the velocity behind a term, where terms are noted."""
+        for k, row in ti.static(enumerate(layout.courses[kind].get(term, []))):
+            agents[a + row] = course[k]
+
+    @ti.func
+    def note_flocking(agents: ti.template(), a, kind: ti.template(), me: ti.template(), mates: ti.template()):
+        """Write down the velocity behind separation, and behind cohesion, which `flocked` adds in one go with alignment."""
+        if ti.static(layout.structure.terms):
+            apart = flock(me, mates, 0.0 * me.cohesion, me.separation, 0.0 * me.alignment)
+            both = flock(me, mates, me.cohesion, me.separation, 0.0 * me.alignment)
+            note(agents, a, kind, "separation", [own + pull for own, pull in ti.static(zip(motion(me), apart, strict=True))])
+            note(agents, a, kind, "cohesion", [own + pull for own, pull in ti.static(zip(motion(me), both, strict=True))])
+
+    @ti.func
+    def pulled(
+        agents: ti.template(), a, here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b
+    ):
         """Give the velocity with what mates in sight add to it."""
         course = [1.0 * rate for rate in ti.static(motion(me))]
-        if ti.static(perception.flocking(layout, kind)):
+        if ti.static(layout.flocks(kind)):
             mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(1 + 3 * dim))])
             senses.gather[kind](mates, here, me)
             pull = senses.flocked[kind](mates, numbers, b, me)
+            note_flocking(agents, a, kind, me, mates)
             for k in ti.static(range(dim)):
                 course[k] += pull[k]
+            note(agents, a, kind, "alignment", course)
         return course
 
     @ti.func
@@ -125,10 +148,11 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
         b,
         threat: ti.template(),
         swarm: ti.template(),
+        notes: ti.template(),
     ):
         """Add what the strategies steer; those that integrate on their own make a course of their own out of it."""
-        notes = [p.Notes(*[lanes(0.0) for _ in p.note_names]) for p in ti.static(strategies)]
-        senses.heed(notes, threat, here, me)
+        if ti.static(not led):  # networks have heeded already
+            senses.heed(notes, threat, here, me)
         for j, p in ti.static(enumerate(strategies)):
             weights = see.weights_of(p, numbers, b)
             if ti.static("integrate" in p.own):
@@ -141,6 +165,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
                 steer = p.strategy.steer(me, threat, swarm, notes[j], memory_of(p, prey, a), weights)
                 for k in ti.static(range(dim)):
                     course[k] += weights.on * steer[k]
+            note(prey, a, "prey", p.part.name, course)
 
     @ti.func
     def drive_prey(
@@ -158,25 +183,43 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
 
         here: for the senses; draw: for random numbers: key_low, key_high and lanes of trial, index and tick.
         """
-        course = pulled(here, "prey", me, numbers, b)
+        threat = see.Threat(*[lanes(0.0) for _ in ti.static(range(dim + 1))])
+        notes = [p.Notes(*[lanes(0.0) for _ in p.note_names]) for p in ti.static(strategies)]
+        orders = [1.0 * numbers[b * width + at.prey.goal], lanes(1.0), lanes(0.0), lanes(0.0)]
+        if ti.static(led):
+            senses.heed(notes, threat, here, me)
+            for j, p in ti.static(enumerate(strategies)):
+                if ti.static(p.part in consults):
+                    dice = dice_of(draw, philox.STRATEGY)
+                    consults[p.part](notes[j], here, prey, a, me, numbers, b, swarm, target, dice, orders)
+        course = pulled(prey, a, here, "prey", me, numbers, b)
         if ti.static(frame.targeted):
             way = see.sight(target, me, numbers, b)
             for k in ti.static(range(dim)):
-                course[k] += numbers[b * width + at.prey.goal] * way[k]
+                course[k] += orders[0] * way[k]
+        note(prey, a, "prey", "goal", course)
         for k in ti.static(range(dim)):
-            course[k] += prey[a + rows.field[k]]
+            course[k] += orders[1] * prey[a + rows.field[k]] if ti.static(led) else prey[a + rows.field[k]]
+        if ti.static(led):
+            for k in ti.static(range(2)):
+                course[k] += orders[2 + k]
+        note(prey, a, "prey", "field", course)
         steps.wall_turn(course, me, numbers, b)
-        threat = see.Threat(*[lanes(0.0) for _ in ti.static(range(dim + 1))])
-        steered(course, here, prey, a, me, numbers, b, threat, swarm)
+        note(prey, a, "prey", "walls", course)
+        steered(course, here, prey, a, me, numbers, b, threat, swarm, notes)
         turned(course, here, "prey", me, numbers, b)
+        note(prey, a, "prey", "turn", course)
         steps.prey.limited(course, me, numbers, b)
+        note(prey, a, "prey", "cap", course)
         if ti.static(bool(layout.parts("prey", "avoidance", "deflect"))):
             deflected(course, here, "prey", me, numbers, b, target, dice_of(draw, philox.DEFLECTION))
+        note(prey, a, "prey", "deflection", course)
         for p in ti.static(kicking):
             weights = see.weights_of(p, numbers, b)
             kick = p.strategy.kick(threat, dice_of(draw, philox.STRATEGY), memory_of(p, prey, a), weights)
             for k in ti.static(range(dim)):
                 course[k] += weights.on * kick[k]
+        note(prey, a, "prey", "kick", course)
         prey[a + rows.seen] = threat.n
         steps.prey.advance(prey, a, course, me, numbers, b)
 
@@ -193,17 +236,28 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
         target: ti.template(),
     ):
         """V += flocking + pursuit + field; turn; cap; p += v dt. The prey have moved already, and none has been removed yet."""
-        course = pulled(here, "predators", me, numbers, b)
+        orders = [1.0 * numbers[b * width + at.predators.goal], lanes(1.0), lanes(0.0), lanes(0.0)]
+        for p in ti.static([p for p in pursuits if p.part in consults]):
+            notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
+            senses.chase(p, notes, here, me, quarry, see.weights_of(p, numbers, b))
+            dice = dice_of(draw, philox.PREDATOR_STRATEGY)
+            consults[p.part](notes, here, predators, a, me, numbers, b, quarry, target, dice, orders)
+        course = pulled(predators, a, here, "predators", me, numbers, b)
         for k in ti.static(range(dim)):
-            course[k] += predators[a + rows.field[k]]
+            course[k] += orders[1] * predators[a + rows.field[k]] if ti.static(chasing) else predators[a + rows.field[k]]
+        if ti.static(chasing):
+            for k in ti.static(range(2)):
+                course[k] += orders[2 + k]
+        note(predators, a, "predators", "field", course)
         steps.wall_turn(course, me, numbers, b)
+        note(predators, a, "predators", "walls", course)
         for p in ti.static(pursuits):
             weights = see.weights_of(p, numbers, b)
             notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-            if ti.static("observe" in p.own):
+            if ti.static("observe" in p.own and p.part not in consults):
                 senses.chase(p, notes, here, me, quarry, weights)
             way = p.strategy.pursue(me, quarry, target, notes, weights)
-            goal = numbers[b * width + at.predators.goal]
+            goal = orders[0]
             if ti.static(p.strategy.rules):
                 for k in ti.static(range(dim)):
                     course[k] = ti.select(weights.on > 0.5, goal * way[k], course[k])
@@ -211,10 +265,14 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
                 goal = weights.on * goal
                 for k in ti.static(range(dim)):
                     course[k] += goal * way[k]
+        note(predators, a, "predators", "pursuit", course)
         turned(course, here, "predators", me, numbers, b)
+        note(predators, a, "predators", "turn", course)
         steps.predators.limited(course, me, numbers, b)
+        note(predators, a, "predators", "cap", course)
         if ti.static(bool(layout.parts("predators", "avoidance", "deflect"))):
             deflected(course, here, "predators", me, numbers, b, target, dice_of(draw, philox.PREDATOR_DEFLECTION))
+        note(predators, a, "predators", "deflection", course)
         steps.predators.advance(predators, a, course, me, numbers, b)
 
     return Steering(

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
+from tiswarm.dynamics import network_columns, terms
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import TRAPS
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Shape
 from tiswarm.space import box
 from tiswarm.strategies import registry
 
@@ -30,7 +32,7 @@ _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohe
 class Part:
     """One strategy or avoidance whose code a kernel holds.
 
-    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell.
+    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell; shape: of its network.
     """
 
     kind: registry.Side
@@ -38,6 +40,7 @@ class Part:
     catalogue: registry.Kind
     name: str
     mixed: bool
+    shape: Shape | None = None
 
     @property
     def strategy(self) -> Any:
@@ -57,6 +60,7 @@ class Frame:
     boundary: str
     wrap_sight: bool
     contact: str
+    swept: bool
     verlet: bool
     targeted: bool
     counts_hits: bool
@@ -78,6 +82,7 @@ class Frame:
             boundary=world.boundary,
             wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
             contact=world.contact,
+            swept=world.contact_test == "swept",
             verlet=world.scheme == "verlet",
             targeted=scenario.target.present,
             counts_hits=scenario.obstacles.contact == "count",
@@ -95,15 +100,16 @@ class Frame:
 class Structure:
     """What selects a kernel's code: two batches with equal structures share one kernel.
 
-    hunted: whether there are predators at all.
+    hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
     """
 
     frame: Frame
     parts: tuple[Part, ...]
     hunted: bool
+    terms: bool = False
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario], predator_count: int) -> "Structure":
+    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Structure":
         """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
 
         Errors: ScenarioError when their worlds are of different kinds.
@@ -122,11 +128,14 @@ class Structure:
                 continue
             chosen = [registry.parts(catalogue, name) for *_, name in same]
             for name in sorted(set().union(*chosen)):
-                parts.append(Part(kind, role, catalogue, name, mixed=not all(name in each for each in chosen)))
-        return cls(frames.pop(), tuple(parts), hunted)
+                mixed = not all(name in each for each in chosen)
+                users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
+                shape = network_columns.shape_of(users, kind) if role == "strategy" else None
+                parts.append(Part(kind, role, catalogue, name, mixed, shape))
+        return cls(frames.pop(), tuple(parts), hunted, terms)
 
 
-def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleNamespace:
+def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
@@ -149,6 +158,7 @@ def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...]) -> SimpleN
         hit=next(row),  # predators: touches prey; prey: has been inside an obstacle
         next_place=vector(),
         next_motion=vector(),
+        travel=vector() if swept else [],  # how far it came in the last tick, across a periodic edge, too
         heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
         label=next(row) if "groups" in measures else -1,
         trap=trap() if set(TRAPS) & set(measures) else None,
@@ -161,8 +171,9 @@ class Layout:
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
     have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; board: rows of what
-    predators' surveys write, fixed ones and for each prey; parts(kind, role): what kernels loop over, each with its class
-    (strategy), the hooks it has of its own (own), and its structs.
+    predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
+    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
+    its own (own), and its structs.
     """
 
     def __init__(self, structure: Structure, lanes: Any) -> None:
@@ -170,7 +181,7 @@ class Layout:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures)
+        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept)
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),
@@ -202,6 +213,12 @@ class Layout:
         self.board = SimpleNamespace(fixed=0, each=0)
         for part in structure.parts:
             self._add(part, lanes)
+        self.courses: dict[str, dict[str, list[int]]] = {kind: {} for kind in self.agent_rows}
+        for kind, noted in self.courses.items() if structure.terms else ():
+            for term in terms.names(self, kind):
+                first = self.agent_rows[kind]
+                noted[term] = list(range(first, first + frame.dim))
+                self.agent_rows[kind] += frame.dim
 
     def _column(self, path: str) -> int:
         self.paths.append(path)
@@ -215,27 +232,33 @@ class Layout:
 
     def _add(self, part: Part, lanes: Any) -> None:
         strategy = part.strategy
-        weights = [field.name for field in fields(strategy.Weights)]
+        weights = _numbers_of(strategy)
         derived = list(strategy.derived({name: np.zeros(1) for name in weights}))
         names = ["on", *weights, *derived]
         memory = self._names(getattr(strategy, "memory", ()))
         notes = self._names(strategy.notes) or ["nothing"]
         row = self.agent_rows[part.kind]
-        self.agent_rows[part.kind] += len(memory)
+        scratch = row + len(memory)
+        self.agent_rows[part.kind] = scratch + (part.shape.scratch if part.shape else 0)
         board = SimpleNamespace(**vars(self.board))  # where its own rows begin
         if part.kind == "predators" and part.role == "strategy":
             fixed, each = strategy.board_rows(len(self.axes))
             self.board = SimpleNamespace(fixed=board.fixed + fixed, each=board.each + each)
+        columns = [self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names]
+        network = len(self.paths)
+        self.paths += network_columns.paths_of(part.kind, part.name, part.shape)
         self._parts.append(
             SimpleNamespace(
                 part=part,
                 strategy=strategy,
                 own=[hook for hook in vars(_base_of(strategy)) if _overrides(strategy, hook)],
                 names=names,
-                columns=[self._column(f"{part.kind}.{part.role}:{part.name}.{name}") for name in names],
+                columns=columns,
                 memory=memory,
                 memory_rows=list(range(row, row + len(memory))),
                 board=board,
+                scratch=scratch,
+                network=network,
                 Weights=ti.types.struct(**dict.fromkeys(names, lanes)),
                 Memory=ti.types.struct(**dict.fromkeys(memory or ["nothing"], lanes)),
                 note_names=notes,
@@ -253,6 +276,10 @@ class Layout:
         found = [each for each in self._parts if (each.part.kind, each.part.role) == (kind, role)]
         return found if hook is None else [each for each in found if hook in each.own]
 
+    def flocks(self, kind: str) -> bool:
+        """Tell whether separation, cohesion and alignment act on agents of a kind in any trial."""
+        return all(p.strategy.flocks or p.part.mixed for p in self.parts(kind, "strategy"))
+
     def shown(self, kind: str) -> dict[str, int]:
         """Map what agents see of each other's memory to its row."""
         return {
@@ -262,13 +289,20 @@ class Layout:
             if name in self._names(getattr(each.strategy, "shown", ()))
         }
 
-    def table(self, scenarios: Sequence[Scenario], weights: Mapping[str, np.ndarray] | None = None) -> np.ndarray:
+    def table(
+        self,
+        scenarios: Sequence[Scenario],
+        weights: Mapping[str, np.ndarray] | None = None,
+        networks: Mapping[str, np.ndarray] | None = None,
+    ) -> np.ndarray:
         """Lay the numbers of scenarios out, one row each: [row, column], float64.
 
-        weights: path -> [trial], numbers that differ from trial to trial; then one scenario gives as many rows as trials.
+        weights: path -> [row], numbers that differ from row to row; then one scenario gives as many rows. networks: prey or
+        predators -> [row, weight], networks that differ so.
         """
         every = [scenario.numbers() for scenario in scenarios]
-        rows = len(next(iter(weights.values()))) if weights else len(every)
+        differing = [*(weights or {}).values(), *(networks or {}).values()]
+        rows = len(differing[0]) if differing else len(every)
 
         def numbers(path: str) -> np.ndarray:
             if weights and path in weights:
@@ -279,12 +313,19 @@ class Layout:
         columns = {path: numbers(path) for path in self.paths if ":" not in path}
         for each in self._parts:
             part = each.part
-            own = {field.name: numbers(f"{part.kind}.weights.{field.name}") for field in fields(each.strategy.Weights)}
+            own = {name: numbers(f"{part.kind}.weights.{name}") for name in _numbers_of(each.strategy)}
             names = [getattr(getattr(scenario, part.kind), part.role) for scenario in scenarios]
             on = np.array([float(part.name in registry.parts(part.catalogue, name)) for name in names])
             own |= {"on": np.resize(on, rows)} | each.strategy.derived(own)
             columns |= {f"{part.kind}.{part.role}:{part.name}.{name}": own[name] for name in each.names}
+            if part.shape is not None:
+                columns |= network_columns.columns_of(part.kind, part.name, part.shape, scenarios, networks)
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
+
+
+def _numbers_of(strategy: Any) -> list[str]:
+    """List the weights of a strategy but the name of its network's file."""
+    return [field.name for field in fields(strategy.Weights) if field.type is not str]
 
 
 def _base_of(strategy: type) -> type:

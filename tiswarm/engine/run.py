@@ -1,13 +1,15 @@
 """Run: many trials to their ends, or one trial tick by tick, on whichever engine its scenario needs."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from operator import index
 from typing import Any
 
 import numpy as np
 
 from tiswarm.engine.choice import engine_of
-from tiswarm.engine.swarms import simulation as swarms
+from tiswarm.engine.swarms.batch import outcomes
+from tiswarm.engine.swarms.simulation import Alone
 from tiswarm.engine.trials import batch
 from tiswarm.engine.trials.batch import Finished, Progress
 from tiswarm.engine.trials.trial import Single
@@ -15,6 +17,7 @@ from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import Recording
 from tiswarm.records.recording import Swarm as Moment
 from tiswarm.records.results import Results
+from tiswarm.records.terms import differences
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
@@ -82,8 +85,8 @@ def _run_apart(
         for scenario, engine in zip(scenarios, engines, strict=True):
             done = trials * len(results)
             if engine == "grid":
-                own = swarms.outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
-                results.append(Results.of(scenario, seed, runtime.start(), own, {}, None, engine))
+                own, measured = outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
+                results.append(Results.of(scenario, seed, runtime.start(), own, measured, None, engine))
             else:
                 results += batch.run([scenario], trials, seed, lambda here, _, done=done: report(done + here))  # type: ignore[misc]
             if finished is not None:
@@ -108,8 +111,12 @@ class Simulation:
     scenario: what runs now, with the numbers that `set` changed; its counts are those of an explicit start.
     """
 
-    def __init__(self, scenario: Scenario, seed: int = 0, trial: int = 0, start: Start | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, seed: int = 0, trial: int = 0, start: Start | None = None, *, terms: bool = False
+    ) -> None:
         """Draw the start from seed and trial number, or take an explicit one, whose counts replace the scenario's.
+
+        terms: let a recording keep what each term added to every velocity, too; no bit of the path depends on it.
 
         Errors: ScenarioError for what no engine can do; ValueError for a seed or trial number out of range, or a start that
         does not fit the world.
@@ -118,11 +125,12 @@ class Simulation:
         if start is not None:
             scenario = start.applied(scenario)
         self.engine = engine_of(scenario)
-        self._own: Single | swarms.Alone
+        self._terms = terms
+        self._own: Single | Alone
         if self.engine == "grid":
-            self._own = swarms.Alone(scenario, self.seed, self.trial, start)
+            self._own = Alone(scenario, self.seed, self.trial, start, terms=terms)
         else:
-            self._own = Single(scenario, self.seed, self.trial, start)
+            self._own = Single(scenario, self.seed, self.trial, start, terms=terms)
 
     @property
     def scenario(self) -> Scenario:
@@ -227,16 +235,27 @@ class Simulation:
 
     def record(self) -> Recording:
         """Run to the end and keep the path from here on."""
-        prey, predators = (Moment.of(own) for own in zip(*self, strict=True))
+        moments: list[tuple[Moment, Moment]] = []
+        courses: tuple[list[dict[str, np.ndarray]], list[dict[str, np.ndarray]]] = ([], [])
+        for both in self:
+            if self._terms and moments:
+                for kept, kind in zip(courses, ("prey", "predators"), strict=True):
+                    kept.append(self._own.courses(kind))
+            moments.append(both)
+        prey, predators = (
+            replace(path := Moment.of(own), terms=differences(path.velocity, kept))
+            for own, kept in zip(zip(*moments, strict=True), courses, strict=True)
+        )
         return Recording(self.scenario, self.seed, self.trial, prey, predators, *self.obstacles)
 
 
-def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None) -> Recording:
+def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None, *, terms: bool = False) -> Recording:
     """Run one trial and keep its path: the same bits as in a batch of any size.
 
     start: an explicit start state; counts then come from it, not from the scenario.
+    terms: keep what each term added to every velocity, too (`recording.prey.terms`); no bit of the path depends on it.
     """
-    return Simulation(scenario, seed, trial, start).record()
+    return Simulation(scenario, seed, trial, start, terms=terms).record()
 
 
 def _kind(name: str) -> registry.Kind:

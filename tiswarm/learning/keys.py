@@ -9,12 +9,16 @@ import numpy as np
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Network
 from tiswarm.system.words import did_you_mean
 
 Scale = Literal["linear", "log", "whole"]
 
 DIGITS = 6
 """Significant digits of a number that a tuning settles on: what is checked, validated and written is the same."""
+
+SPREAD = 0.2
+"""What one on the search's scale is for a weight of a network."""
 
 MOST_ARMS = 64
 """Combinations of choices that race each other; each needs generations of its own."""
@@ -115,8 +119,6 @@ def split(over: Mapping[str, Any]) -> tuple[list[Range], list[Choice]]:
         if path.endswith(WHOLE) and scale != "whole":
             raise ScenarioError(f"{path}: holds whole numbers, which have no {scale} scale; leave the scale out")
         ranges.append(Range(path, float(given[0]), float(given[1]), scale))
-    if not ranges and not choices:
-        raise ScenarioError("tune: nothing to change; name a key with --over KEY=LOW:HIGH")
     return ranges, choices
 
 
@@ -126,11 +128,15 @@ def _is_real(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Arm:
-    """One combination of choices, with the ranges that it knows, for one scenario or several."""
+    """One combination of choices, with the ranges that it knows, for one scenario or several.
+
+    side: prey or predators, whose network is trained; empty for none. Its weights are coordinates behind those of the ranges.
+    """
 
     chosen: tuple[tuple[str, Any], ...]
     scenarios: tuple[Scenario, ...]
     ranges: tuple[Range, ...]
+    side: str = ""
 
     @property
     def name(self) -> str:
@@ -138,33 +144,51 @@ class Arm:
         return ", ".join(f"{path.rpartition('.')[2]} {value}" for path, value in self.chosen)
 
     @property
+    def network(self) -> Network | None:
+        """Give the network that training starts from."""
+        return self.scenarios[0].network(self.side) if self.side else None
+
+    @property
     def start(self) -> np.ndarray:
-        """Give the numbers of the first scenario on the unit scale: [range]."""
+        """Give where the search begins: the numbers of the first scenario on the unit scale, and zero for each weight."""
         numbers = self.scenarios[0].numbers()
-        return np.array([each.unit(numbers[each.path]) for each in self.ranges], np.float64)
+        places = [each.unit(numbers[each.path]) for each in self.ranges]
+        return np.array([*places, *([0.0] * (self.network.shape.size if self.network else 0))], np.float64)
 
     def values(self, unit: np.ndarray) -> np.ndarray:
-        """Map places in the unit cube to numbers: [candidate, range] both."""
+        """Map places of the search to numbers and weights: [candidate, coordinate] both."""
         columns = [each.value(unit[:, k]) for k, each in enumerate(self.ranges)]
-        return np.stack(columns, axis=1) if columns else np.zeros((len(unit), 0))
+        numbers = np.stack(columns, axis=1) if columns else np.zeros((len(unit), 0))
+        if self.network is None:
+            return numbers
+        return np.hstack([numbers, self.network.weights + SPREAD * unit[:, len(self.ranges) :]])
 
     def settled(self, unit: np.ndarray) -> np.ndarray:
-        """Give the numbers of one place in the unit cube, in as many digits as a preset has: [range]."""
-        values = [float(f"{value:.{DIGITS}g}") for value in self.values(unit[None])[0]]
-        return np.array([min(max(v, each.low), each.high) for v, each in zip(values, self.ranges, strict=True)], np.float64)
+        """Give the numbers of one place of the search, in as many digits as a preset has, and the weights: [coordinate]."""
+        values = self.values(unit[None])[0]
+        for k, each in enumerate(self.ranges):
+            values[k] = min(max(float(f"{values[k]:.{DIGITS}g}"), each.low), each.high)
+        return values
 
-    def tuned(self, values: Sequence[float] | np.ndarray) -> tuple[Scenario, ...]:
-        """Give the scenarios with these numbers: [range]."""
-        own = {e.path: int(v) if e.scale == "whole" else float(v) for e, v in zip(self.ranges, values, strict=True)}
+    def tuned(self, values: Sequence[float] | np.ndarray, network: str = "") -> tuple[Scenario, ...]:
+        """Give the scenarios with these numbers: [coordinate]; network: the file that the weights were written to."""
+        own: dict[str, Any] = {
+            each.path: int(value) if each.scale == "whole" else float(value)
+            for each, value in zip(self.ranges, values, strict=False)
+        }
+        if self.side:
+            own[f"{self.side}.weights.network"] = network
         return tuple(scenario.replaced(own) if own else scenario for scenario in self.scenarios)
 
 
-def arms(scenarios: Sequence[Scenario], over: Mapping[str, Any]) -> list[Arm]:
-    """List all combinations of choices; a range belongs to those arms that have its key.
+def arms(scenarios: Sequence[Scenario], over: Mapping[str, Any], side: str = "") -> list[Arm]:
+    """List all combinations of choices; a range belongs to those arms that have its key; side: whose network is trained.
 
     Errors: ScenarioError for a key that no arm has, or that is no number.
     """
     ranges, choices = split(over)
+    if not ranges and not choices and not side:
+        raise ScenarioError("tune: nothing to change; name a key with --over KEY=LOW:HIGH")
     combinations = list(product(*(each.options for each in choices)))
     if len(combinations) > MOST_ARMS:
         raise ScenarioError(f"tune: {len(combinations)} combinations of choices; use {MOST_ARMS} at most")
@@ -175,11 +199,23 @@ def arms(scenarios: Sequence[Scenario], over: Mapping[str, Any]) -> list[Arm]:
         here = tuple(scenario.replaced(dict(chosen)) if chosen else scenario for scenario in scenarios)
         own = tuple(each for each in ranges if all(each.path in scenario.numbers() for scenario in here))
         used |= {each.path for each in own}
-        found.append(Arm(chosen, here, own))
+        _check_networks(here, side)
+        found.append(Arm(chosen, here, own, side))
     for each in ranges:
         if each.path not in used:
             raise ScenarioError(f"--over {each.path}: {_told(scenarios, each.path)}")
     return found
+
+
+def _check_networks(scenarios: Sequence[Scenario], side: str) -> None:
+    """Raise ScenarioError where the network that is to be trained is not there, or not the same in all scenarios."""
+    if side not in ("", "prey", "predators"):
+        raise ScenarioError(f"network: {side!r} have none; use prey or predators")
+    found = [each.network(side) for each in scenarios] if side else []
+    if any(each is None for each in found):
+        raise ScenarioError(f"network: the {side} are led by none; add --set {side}.strategy=neural")
+    if len({each.digest for each in found if each is not None}) > 1:
+        raise ScenarioError(f"network: scenarios begin with different networks of the {side}; begin with one")
 
 
 def _told(scenarios: Sequence[Scenario], path: str) -> str:

@@ -95,30 +95,35 @@ class Objective:
 class Evaluation:
     """One arm's candidates run through trials, in all its scenarios."""
 
-    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int) -> None:
-        """Check, and allocate. Errors: ScenarioError."""
+    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int, shares: np.ndarray | None = None) -> None:
+        """Check, and allocate. shares: [scenario], how much each counts in the mean. Errors: ScenarioError."""
         for scenario in arm.scenarios:
             objective.check(scenario)
         bounds = {each.path: (each.low, each.high) for each in arm.ranges}
         self.arm = arm
         self._objective = objective
-        self._across = across
+        self._across: Across = across
+        self.shares = shares
         self._seed = seed
         self._worlds = [Candidates(scenario, bounds) for scenario in arm.scenarios]
 
     def outcomes(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
-        """Give the objective: [scenario, candidate, trial]. values: [candidate, range]; trials: [trial], their numbers."""
+        """Give the objective: [scenario, candidate, trial]. values: [candidate, coordinate]; trials: [trial], their numbers."""
         shape = (len(values), len(trials))
-        return np.stack([self._objective.of(world.run(values, trials, self._seed)).reshape(shape) for world in self._worlds])
+        numbers, weights = np.split(values, [len(self.arm.ranges)], axis=1)
+        networks = {self.arm.side: weights} if self.arm.side else None
+        results = [world.run(numbers, trials, self._seed, networks) for world in self._worlds]
+        return np.stack([self._objective.of(each).reshape(shape) for each in results])
 
     def scores(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
         """Give what candidates are ranked by: [candidate], -inf for one without a value in some scenario."""
-        return scores_of(self.outcomes(values, trials), self._across)
+        return scores_of(self.outcomes(values, trials), self._across, self.shares)
 
 
-def scores_of(outcomes: np.ndarray, across: Across) -> np.ndarray:
+def scores_of(outcomes: np.ndarray, across: Across, shares: np.ndarray | None = None) -> np.ndarray:
     """Join trials by their mean, scenarios by mean or worst: [scenario, candidate, trial] to [candidate].
 
+    shares: [scenario], how much each counts in the mean, all alike when None.
     Trials without a value are left out; a candidate without any is ranked last.
     """
     there = np.isfinite(outcomes)
@@ -126,7 +131,7 @@ def scores_of(outcomes: np.ndarray, across: Across) -> np.ndarray:
     with np.errstate(invalid="ignore", divide="ignore"):
         means = np.where(there, outcomes, 0.0).sum(axis=2) / count
     means = np.where(count > 0, means, -np.inf)
-    return np.asarray(means.mean(axis=0) if across == "mean" else means.min(axis=0))
+    return np.asarray(np.average(means, axis=0, weights=shares) if across == "mean" else means.min(axis=0))
 
 
 def search_trials(generation: int, count: int) -> np.ndarray:

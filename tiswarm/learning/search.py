@@ -1,4 +1,4 @@
-"""Search: CMA-ES in the unit cube by the library `cmaes`; large scores are good."""
+"""Search: CMA-ES by the library `cmaes`, in the unit cube for numbers, without bounds for weights; large scores are good."""
 
 import importlib.util
 from collections.abc import Sequence
@@ -6,8 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.scenario.errors import ScenarioError
+
 SIGMA = 0.25
 """First step, of the width of a range: two standard deviations reach from the middle to an end."""
+
+MANY = 60
+"""Coordinates beyond which covariances cost more than they tell."""
 
 
 def check_cmaes() -> None:
@@ -20,19 +25,33 @@ class Search:
     """Asks for candidates and is told their scores; what it asks for depends on its seed and on what it was told alone."""
 
     def __init__(self, start: np.ndarray, candidates: int, seed: Sequence[int], steps: np.ndarray) -> None:
-        """Begin at a place in the unit cube: [range]; steps: [range], between whole numbers, 0 for real ones."""
-        from cmaes import CMA, CMAwM
+        """Begin at a place: [coordinate].
 
-        bounds = np.tile([0.0, 1.0], (len(start), 1))
+        steps: [range], between whole numbers, 0 for real ones; coordinates behind the ranges have no bounds. Many are searched
+        with a variance each instead of all covariances (Ros, Hansen 2008).
+
+        Errors: ScenarioError for whole numbers beside many weights.
+        """
+        from cmaes import CMA, CMAwM, SepCMA
+
+        bounds = np.tile([-np.inf, np.inf], (len(start), 1))
+        bounds[: len(steps)] = (0.0, 1.0)
+        self._bounds = bounds
         word = int(np.random.SeedSequence(seed).generate_state(1)[0])
         self._whole = bool((steps > 0).any())
         given: dict[str, Any] = {"bounds": bounds, "seed": word, "population_size": candidates}
-        self._cma: Any = CMAwM(start, SIGMA, steps=steps, **given) if self._whole else CMA(start, SIGMA, **given)
+        if self._whole and len(start) > len(steps):
+            raise ScenarioError("tune: whole numbers cannot be searched together with a network; find them first")
+        self._cma: Any
+        if self._whole:
+            self._cma = CMAwM(start, SIGMA, steps=steps, **given)
+        else:
+            self._cma = (SepCMA if len(start) > MANY else CMA)(start, SIGMA, **given)
         self._told: list[np.ndarray] = []
         self.candidates = candidates
 
     def ask(self) -> np.ndarray:
-        """Give the candidates of the next generation: [candidate, range], each number from 0 to 1."""
+        """Give the candidates of the next generation: [candidate, coordinate]."""
         if not self._whole:
             self._told = [self._cma.ask() for _ in range(self.candidates)]
             return np.stack(self._told)
@@ -46,5 +65,5 @@ class Search:
 
     @property
     def centre(self) -> np.ndarray:
-        """Give the mean of the distribution, inside the cube: [range]."""
-        return np.clip(self._cma.mean, 0.0, 1.0)
+        """Give the mean of the distribution, inside the bounds: [coordinate]."""
+        return np.clip(self._cma.mean, self._bounds[:, 0], self._bounds[:, 1])

@@ -28,7 +28,7 @@ class Store:
     def __init__(self, folder: Path, told: Mapping[str, Any], scenarios: Sequence[Scenario]) -> None:
         """Say whose the folder is; nothing is read or written yet.
 
-        told: what must be the same for generations to go together.
+        told: what must be the same for generations to go together; its first key says of what they are.
         """
         import cmaes
 
@@ -37,6 +37,7 @@ class Store:
         fixed = {**told, "cmaes": cmaes.__version__, "code": sha256(code.encode()).hexdigest()[:16]}
         self.folder = folder
         self.about: dict[str, Any] = json.loads(manifest(runtime.start(), **fixed))
+        self._what = {"tune": "tuning"}.get(next(iter(told)), next(iter(told)))
         self._fixed = [*fixed, "precision", "tiswarm", "taichi"]
 
     def open(self, fresh: bool = False) -> None:
@@ -62,12 +63,12 @@ class Store:
             held = json.loads(place.read_text(encoding="utf-8"))
         except (ValueError, UnicodeDecodeError):
             held = None
-        if not isinstance(held, dict) or "tune" not in held:
-            raise ValueError(f"{place}: is no manifest of a tuning; {mend}")
+        if not isinstance(held, dict) or self._fixed[0] not in held:
+            raise ValueError(f"{place}: is no manifest of a {self._what}; {mend}")
         for key in self._fixed:
             if held.get(key) != self.about[key]:
                 raise ValueError(
-                    f"{self.folder}: holds another tuning: {_difference(key, held.get(key), self.about[key])}; {mend}"
+                    f"{self.folder}: holds another {self._what}: {_difference(key, held.get(key), self.about[key])}; {mend}"
                 )
 
     def _sweep(self, pattern: str) -> None:

@@ -26,6 +26,7 @@ from tiswarm.learning.store import Store
 from tiswarm.learning.tuned import Check, Generation, Tuned, validated
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.network import Network
 from tiswarm.scenario.presets import load
 from tiswarm.simd.philox import seed_words
 from tiswarm.system.progress import reporting
@@ -69,7 +70,7 @@ class Budget:
 
 def tune(
     scenario: Subject | Sequence[Subject],
-    over: Mapping[str, Any],
+    over: Mapping[str, Any] | None = None,
     budget: int = 1_280_000,
     objective: str = "success",
     across: Across = "mean",
@@ -80,6 +81,8 @@ def tune(
     seed: int = 0,
     folder: str | os.PathLike | None = None,
     fresh: bool = False,
+    network: str = "",
+    shares: Sequence[float] | None = None,
     progress: bool | Callable[[int, int], None] = False,
     finished: Finished | None = None,
 ) -> Tuned:
@@ -91,6 +94,8 @@ def tune(
     trials, each generation new ones. checks: trials that tell which generation was best; validation: trials that neither search
     nor checks saw, on which alone start and result are compared.
     folder: where generations are kept, and taken from when the same tuning was cut short before; None keeps nothing.
+    shares: how much each scenario counts in the mean, all alike when None.
+    network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
     fresh: throw away what the folder holds. finished: called with each generation.
 
     Errors: ScenarioError for what cannot be; ValueError when the folder holds another tuning or cmaes is missing.
@@ -106,15 +111,19 @@ def tune(
     spent = Budget(budget, candidates, trials, checks, validation)
     spent.check()
     aim = Objective.read(objective)
-    over = dict(sorted(over.items()))  # so that no bit depends on their order
-    found = arms(scenarios, over)
+    over = dict(sorted((over or {}).items()))  # so that no bit depends on their order
+    found = arms(scenarios, over, network)
+    if network and folder is None:
+        raise ScenarioError("tune: a network is written to a file; name a folder for it")
     check_cmaes()
-    shares = rounds(len(found), spent.generations) if any(arm.ranges for arm in found) else [Round(len(found), 1)]
+    counts = _shares(shares, len(scenarios))
+    share_out = rounds(len(found), spent.generations) if network or any(arm.ranges for arm in found) else [Round(len(found), 1)]
     store = None
     if folder is not None:
         told = {
             "tune": {path: list(each) for path, each in over.items()},
-            "objective": {"maximise": str(aim), "across": across},
+            "objective": {"maximise": str(aim), "across": across, "shares": None if counts is None else counts.tolist()},
+            "network": network,
             "seed": seed,
             "budget": asdict(spent),
             "scenario_hash": [each.hash() for each in scenarios],
@@ -122,16 +131,26 @@ def tune(
         store = Store(
             Path(folder), json.loads(json.dumps(told)), [one for arm in found for one in (*scenarios, *arm.scenarios)]
         )
-    run = _Run(found, scenarios, aim, across, spent, seed, store)
+    run = _Run(found, scenarios, aim, across, counts, spent, seed, store)
     if store is not None:
         store.open(fresh)
-    best, history = run.search(shares, progress, finished)
+    best, history = run.search(share_out, progress, finished)
     winner = run.tuned(best)
     result = validated(scenarios, winner, aim, across, spent.validation, seed, best, history, time.perf_counter() - started)
     if store is not None:
         store.write(**result.told(), wall_time_s=round(store.about.get("wall_time_s", 0.0) + result.seconds, 3))
         result.save(store.folder)
     return result
+
+
+def _shares(shares: Sequence[float] | None, scenarios: int) -> np.ndarray | None:
+    """Check how much scenarios count. Errors: ScenarioError."""
+    if shares is None:
+        return None
+    found = np.asarray(shares, np.float64)
+    if found.shape != (scenarios,) or not np.isfinite(found).all() or found.min() < 0 or found.sum() <= 0:
+        raise ScenarioError(f"shares: {list(shares)} do not fit {scenarios} scenarios; use a number of 0 or more for each")
+    return found / found.sum()
 
 
 class _Run:
@@ -143,6 +162,7 @@ class _Run:
         scenarios: Sequence[Scenario],
         objective: Objective,
         across: Across,
+        shares: np.ndarray | None,
         budget: Budget,
         seed: int,
         store: Store | None,
@@ -151,20 +171,24 @@ class _Run:
         self._across: Across = across
         self._budget = budget
         self._store = store
-        self._start = Evaluation(Arm((), tuple(scenarios), ()), objective, across, seed)
-        self._worlds = [Evaluation(arm, objective, across, seed) for arm in found]
+        self._start = Evaluation(Arm((), tuple(scenarios), ()), objective, across, seed, shares)
+        self._worlds = [Evaluation(arm, objective, across, seed, shares) for arm in found]
         self._searches = [
-            Search(arm.start, budget.candidates, (seed, k), np.array([each.step for each in arm.ranges]))
-            if arm.ranges
+            Search(arm.start, budget.candidates, (seed, k), np.array([each.step for each in arm.ranges], np.float64))
+            if arm.ranges or arm.side
             else None
             for k, arm in enumerate(found)
         ]
         self._check_every = max(budget.generations // CHECKS, 1)
 
     def tuned(self, best: Check) -> tuple[Scenario, ...]:
-        """Give the scenarios that a check looked at."""
+        """Give the scenarios that a check looked at; a trained network is written."""
         arm = self._start.arm if best.arm < 0 else self._arms[best.arm]
-        return arm.tuned(best.values)
+        file = ""
+        if arm.network is not None and self._store:
+            weights = best.values[len(arm.ranges) :]
+            file = str(Network(arm.network.shape, weights).save(self._store.folder / "network.npz"))
+        return arm.tuned(best.values, file)
 
     def search(
         self, shares: Sequence[Round], progress: bool | Callable[[int, int], None], finished: Finished | None
@@ -224,5 +248,5 @@ class _Run:
             outcomes = world.outcomes(values[None], check_trials(self._budget.checks))
             if self._store:
                 self._store.keep(name, {"values": values, "outcomes": outcomes})
-        score = float(scores_of(outcomes, self._across)[0])
-        return Check(arm, values, score, outcomes[:, 0], None if start is None else start.outcomes)
+        score = float(scores_of(outcomes, self._across, world.shares)[0])
+        return Check(arm, values, score, outcomes[:, 0], None if start is None else start.outcomes, world.shares)

@@ -3,7 +3,7 @@
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from tiswarm.engine.run import simulate_many
-from tiswarm.learning.keys import Arm
+from tiswarm.learning.keys import Arm, json_of
 from tiswarm.learning.objective import Across, Objective
 from tiswarm.records.results import Estimate
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.overrides import overridden
 from tiswarm.system.files import write_text
 
 
@@ -22,7 +23,8 @@ from tiswarm.system.files import write_text
 class Check:
     """The middle of a search, run through the trials that choose among generations.
 
-    arm: its place, -1 for the start; values: [range]; outcomes: the objective, [scenario, trial]; start: the start's, or None.
+    arm: its place, -1 for the start; values: [range]; outcomes: the objective, [scenario, trial]; start: the start's, or
+    None; shares: [scenario], how much each counts in the mean, or None.
     """
 
     arm: int
@@ -30,12 +32,13 @@ class Check:
     score: float
     outcomes: np.ndarray
     start: np.ndarray | None
+    shares: np.ndarray | None = None
 
     @property
     def gain(self) -> Estimate:
-        """Estimate the paired difference to the start, scenarios joined by their mean."""
+        """Estimate the paired difference to the start, scenarios joined by their mean, whatever is searched for."""
         before = self.outcomes if self.start is None else self.start
-        return Estimate.of((self.outcomes - before).mean(axis=0))
+        return Estimate.of(np.average(self.outcomes - before, axis=0, weights=self.shares))
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +106,7 @@ class Tuned:
         arm = next(each.arm for each in self.history if each.arm_number == self.best.arm)
         before = self.starts[0].numbers()
         chosen = {path: (_word(self.starts[0], path), value) for path, value in arm.chosen}
-        found = {each.path: float(value) for each, value in zip(arm.ranges, self.best.values, strict=True)}
+        found = {each.path: float(value) for each, value in zip(arm.ranges, self.best.values, strict=False)}
         return chosen | {path: (before.get(path), value) for path, value in found.items()}
 
     def told(self) -> dict[str, Any]:
@@ -122,7 +125,9 @@ class Tuned:
         files = []
         for k, scenario in enumerate(self.scenarios):
             files.append(folder / ("best.toml" if len(self.scenarios) == 1 else f"best-{k + 1}.toml"))
-            write_text(files[-1], scenario.to_toml())
+            side = self.history[0].arm.side if self.improved else ""
+            beside = {f"{side}.weights.network": "network.npz"} if side else {}  # the folder may be moved
+            write_text(files[-1], toml_of(scenario, beside))
         write_text(folder / "generations.csv", self.to_csv())
         return files
 
@@ -137,11 +142,18 @@ class Tuned:
             if made.check is not None:
                 gain = made.check.gain
                 check = tuple(map(repr, (made.check.score, gain.mean, gain.low, gain.high)))  # type: ignore[assignment]
-            middle = dict(
-                zip((each.path for each in made.arm.ranges), made.arm.values(made.centre[None])[0].tolist(), strict=True)
-            )
+            middle = dict(zip((each.path for each in made.arm.ranges), made.arm.values(made.centre[None])[0], strict=False))
             best, mean = (repr(float(each)) for each in (made.scores.max(), made.scores.mean()))
-            writer.writerow((made.number, made.arm.name, best, mean, *check, *(middle.get(path, "") for path in paths)))
+            writer.writerow(
+                (
+                    made.number,
+                    made.arm.name,
+                    best,
+                    mean,
+                    *check,
+                    *(repr(float(middle[path])) if path in middle else "" for path in paths),
+                )
+            )
         return text.getvalue()
 
 
@@ -167,9 +179,14 @@ def validated(
     return Tuned(tuple(starts), titled, objective, across, seed, trials, best, history, tuple(validations), seconds)
 
 
-def _word(scenario: Scenario, path: str) -> Any:
-    from tiswarm.learning.keys import json_of
+def toml_of(scenario: Scenario, changes: Mapping[str, Any]) -> str:
+    """Write a scenario as TOML with some keys changed, which need not be true here."""
+    import tomlkit
 
+    return tomlkit.dumps(overridden(json_of(scenario), changes))
+
+
+def _word(scenario: Scenario, path: str) -> Any:
     place: Any = json_of(scenario)
     for key in path.split("."):
         place = place.get(key) if isinstance(place, dict) else None

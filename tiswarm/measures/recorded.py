@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
+from tiswarm.measures.ground import free_cells, variation
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.measures import MEASURED
 from tiswarm.space import box
@@ -133,7 +134,7 @@ def ground(recording: Recording) -> Ground:
     side = recording.scenario.coverage.cell
     if not side:
         raise ValueError("coverage: the scenario has no grid; set coverage.cell")
-    free = _free(recording)
+    free = free_cells(side, recording.scenario.world.size, recording.obstacle_position, recording.obstacle_radius)
     down, across = free.shape
     reach = recording.scenario.coverage.tool / side
     window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
@@ -151,10 +152,8 @@ def ground(recording: Recording) -> Ground:
         squares[tick] = (times * (2 * visits[cells] + times)).sum()
         visits[cells] += times
     count = max(int(free.sum()), 1)
-    mean = total.cumsum() / count
-    variance = np.maximum(squares.cumsum() / count - mean**2, 0.0)
-    variation = np.divide(np.sqrt(variance), mean, out=np.full(mean.shape, np.nan), where=mean > 0)
-    return Ground(swept.cumsum() / count, variation, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
+    spread = variation(total.cumsum(), squares.cumsum(), count)
+    return Ground(swept.cumsum() / count, spread, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
 
 
 def coverage(recording: Recording) -> np.ndarray:
@@ -241,13 +240,3 @@ def _tree(places: np.ndarray, recording: Recording) -> KDTree:
     """Sort places so that who is near whom is found fast, across the edges of a periodic world."""
     period = recording.period
     return KDTree(box.wrap(places, period), boxsize=period if period.any() else None)
-
-
-def _free(recording: Recording) -> np.ndarray:
-    """Tell which cells' centres lie inside the world and outside obstacles: [row, column]."""
-    side, (width, height) = recording.scenario.coverage.cell, recording.scenario.world.size
-    x, y = ((np.arange(int(np.ceil(length / side))) + 0.5) * side for length in (width, height))
-    free = (x <= width) & (y <= height)[:, None]
-    for (cx, cy), radius in zip(recording.obstacle_position, recording.obstacle_radius, strict=True):
-        free &= (x - cx) ** 2 + ((y - cy) ** 2)[:, None] >= radius**2
-    return free

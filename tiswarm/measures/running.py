@@ -6,9 +6,10 @@ import taichi as ti
 
 from tiswarm.dynamics.table import AGE, DONE, MEASURED, ON, Layout
 from tiswarm.dynamics.views import Views
-from tiswarm.measures import traps
+from tiswarm.measures import formulas, traps
+from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.scenario.measures import COVERED, TRAPS
-from tiswarm.simd.lanes import anywhere, dot, larger, logarithm, motion, place, safe, smaller, unit
+from tiswarm.simd.lanes import Together, anywhere, dot, larger, safe, smaller
 from tiswarm.simd.runtime import LANES, Func, Types
 
 # Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
@@ -27,7 +28,7 @@ class Measures:
 
 
 def build(layout: Layout, types: Types, see: Views) -> Measures:
-    """Build `measure`, `spread_ground` and `value_of`.
+    """Build `measure` and `spread_ground`, and tell how many rows of sums and cells of ground a block has, and measures.
 
     sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 where there is no ground.
     """
@@ -42,7 +43,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
     prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
     pair_names = {"nearest", "potential"} & set(names)
     trapping = bool(set(TRAPS) & set(names))
-    watch = traps.build(layout, types, see) if trapping else None
+    watch = traps.build(layout, types, see).watch if trapping else None
 
     @ti.func
     def add(sums: ti.template(), b, k: ti.template(), counted, value):
@@ -59,42 +60,29 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
     @ti.func
     def measure_motion(sums: ti.template(), prey: ti.template(), b, count, counted):
         """Polarisation, mean speed, milling, kinetic energy, hits."""
-        n = lanes(0.0)
-        total = [lanes(0.0) for _ in ti.static(range(dim))]
-        centre = [lanes(0.0) for _ in ti.static(range(dim))]
+        own = [lanes(0.0) for _ in ti.static(range(AHEAD + 2 * dim))]
         spin = [lanes(0.0) for _ in ti.static(range(3))]
-        speed, energy, hits = lanes(0.0), lanes(0.0), lanes(0.0)
+        hits = lanes(0.0)
         for i in range(count):
-            me = prey_mate(prey, (b * count + i) * prey_rows, i)
-            n += me.alive
-            ahead = unit(motion(me))
-            speed2 = dot(motion(me), motion(me))
-            speed += me.alive * ti.sqrt(speed2)
-            energy += 0.5 * me.alive * speed2
+            formulas.add_motion(own, prey_mate(prey, (b * count + i) * prey_rows, i))
             hits += prey[(b * count + i) * prey_rows + rows.hit]
-            for k in ti.static(range(dim)):
-                total[k] += me.alive * ahead[k]
-                centre[k] += me.alive * place(me)[k]
-        share = 1.0 / larger(n, 1.0)
+        share = 1.0 / larger(own[COUNT], 1.0)
         if ti.static("milling" in names):
             for i in range(count):
                 me = prey_mate(prey, (b * count + i) * prey_rows, i)
-                way = unit([place(me)[k] - share * centre[k] for k in ti.static(range(dim))])
-                ahead = unit(motion(me))
-                spin[2] += me.alive * (way[0] * ahead[1] - way[1] * ahead[0])
-                if ti.static(dim == 3):
-                    spin[0] += me.alive * (way[1] * ahead[2] - way[2] * ahead[1])
-                    spin[1] += me.alive * (way[2] * ahead[0] - way[0] * ahead[2])
-        there = counted & (n > 0.5)
+                centre = [share * own[AHEAD + dim + k] for k in ti.static(range(dim))]
+                formulas.add_spin(spin, me, centre)
+        there = counted & (own[COUNT] > 0.5)
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "polarisation"):
+                total = [own[AHEAD + k] for k in ti.static(range(dim))]
                 add(sums, b, k, there, share * ti.sqrt(dot(total, total)))
             if ti.static(names[k] == "speed"):
-                add(sums, b, k, there, share * speed)
+                add(sums, b, k, there, share * own[SPEED])
             if ti.static(names[k] == "milling"):
                 add(sums, b, k, there, share * ti.sqrt(dot(spin, spin)))
             if ti.static(names[k] == "kinetic"):
-                add(sums, b, k, there, energy)
+                add(sums, b, k, there, own[ENERGY])
             if ti.static(names[k] == "hits"):
                 keep(sums, b, k, counted, hits)
 
@@ -115,8 +103,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                     distance2 = dot(away, away)
                     least = ti.select(mate.alive > 0.5, smaller(least, distance2), least)
                     if ti.static("potential" in names):
-                        ratio = safe(smaller(distance2, reach2)) / safe(spacing2)
-                        potential += 0.5 * me.alive * mate.alive * spacing2 * (1.0 / ratio + logarithm(ratio))
+                        potential += 0.5 * me.alive * mate.alive * formulas.pair_energy(distance2, reach2, spacing2)
             alive += me.alive
             nearest += me.alive * ti.sqrt(least)
         pairs = counted & (alive > 1.5)
@@ -169,12 +156,14 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                 keep(sums, b, k, unseen & (most > 0.0), spin / safe(most))
 
     @ti.func
-    def first_cell(low):
-        return ti.max(ti.cast(ti.ceil(low), ti.i32), 0)
-
-    @ti.func
-    def last_cell(high, count: ti.template()):
-        return ti.min(ti.cast(ti.floor(high), ti.i32), count - 1)
+    def visit(here: ti.template(), cell):
+        """Count a visit of a cell in one lane, and the cell if it is the first."""
+        at_cell = here.b * cells + cell
+        lane = here.lane
+        if here.ground[at_cell][lane] > -0.5:
+            if here.ground[at_cell][lane] < 0.5:
+                here.sums[here.clean][lane] = here.sums[here.clean][lane] + 1.0
+            here.ground[at_cell][lane] = here.ground[at_cell][lane] + 1.0
 
     @ti.func
     def sweep(sums: ti.template(), ground: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, unseen):
@@ -188,17 +177,9 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                 for i in range(count):
                     a = (b * count + i) * prey_rows
                     if prey[a + rows.alive][lane] > 0.5:
-                        x = prey[a + rows.place[0]][lane] / side - 0.5  # in cells, whole numbers at their centres
-                        y = prey[a + rows.place[1]][lane] / side - 0.5
-                        reach = tool / side
-                        for row in range(first_cell(y - reach), last_cell(y + reach, down) + 1):
-                            for column in range(first_cell(x - reach), last_cell(x + reach, across) + 1):
-                                off = (column - x) * (column - x) + (row - y) * (row - y)
-                                cell = b * cells + row * across + column
-                                if off <= reach * reach and ground[cell][lane] > -0.5:
-                                    if ground[cell][lane] < 0.5:
-                                        sums[s + CLEAN][lane] = sums[s + CLEAN][lane] + 1.0
-                                    ground[cell][lane] = ground[cell][lane] + 1.0
+                        x, y = prey[a + rows.place[0]][lane], prey[a + rows.place[1]][lane]
+                        here = Together(sums=sums, ground=ground, b=b, lane=lane, clean=s + CLEAN)
+                        formulas.visit_cells(x, y, side, tool, across, down, visit, here)
 
     @ti.func
     def measure_ground(sums: ti.template(), numbers: ti.template(), clock: ti.template(), b, unseen):

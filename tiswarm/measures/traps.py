@@ -1,15 +1,25 @@
 """Traps: prey that keep moving and get nowhere, found while a trial runs; deadlocks.py says what counts, and why."""
 
+from dataclasses import dataclass
+
 import taichi as ti
 
 from tiswarm.dynamics.table import AGE, Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, place
-from tiswarm.simd.runtime import Types
+from tiswarm.simd.runtime import Func, Types
 
 
-def build(layout: Layout, types: Types, see: Views):
-    """Build `watch`.
+@dataclass(frozen=True)
+class Watch:
+    """Who is trapped: one agent after the other, or all of a block's trials at once."""
+
+    pursue: Func
+    watch: Func
+
+
+def build(layout: Layout, types: Types, see: Views) -> Watch:
+    """Build `pursue`, for one agent, and `watch`, for all of a block's trials.
 
     Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; total, the sum of its ways
     from the anchor [m]; held, the window's age [ticks]; path, how far it went in it [m]; counted, how much of `held` is in
@@ -71,6 +81,12 @@ def build(layout: Layout, types: Types, see: Views):
             prey[a + rows.most] = ti.select(stuck, 0.0, prey[a + rows.most])
 
     @ti.func
+    def pursue(prey: ti.template(), a, me: ti.template(), numbers: ti.template(), b, starts, here):
+        """Take one state of a prey in. starts: where it is the first of a trial; here: where the prey is alive."""
+        follow(prey, a, me, numbers, b, starts, here)
+        count_in(prey, a, numbers, b, starts, here)
+
+    @ti.func
     def watch(prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, unseen):
         """Follow all prey; give how many were ever trapped, for how long together [ticks], and their spin and most [m²]."""
         caught, time, spin, most = lanes(0.0), lanes(0.0), lanes(0.0), lanes(0.0)
@@ -79,8 +95,7 @@ def build(layout: Layout, types: Types, see: Views):
             a = (b * count + i) * prey_rows
             me = prey_mate(prey, a, i)
             here = unseen & (me.alive > 0.5)
-            follow(prey, a, me, numbers, b, starts, here)
-            count_in(prey, a, numbers, b, starts, here)
+            pursue(prey, a, me, numbers, b, starts, here)
             caught += ti.select(prey[a + rows.time] > 0.5, 1.0, 0.0)
             time += prey[a + rows.time]
             if ti.static(milling):
@@ -88,4 +103,4 @@ def build(layout: Layout, types: Types, see: Views):
                 most += prey[a + rows.most_sum]
         return caught, time, spin, most
 
-    return watch
+    return Watch(pursue=pursue, watch=watch)

@@ -1,17 +1,21 @@
 """One trial's path, tick by tick: save it, load it, check it."""
 
 import os
-import zipfile
-import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from tiswarm.records.archive import Archive, DamagedArchive
 from tiswarm.scenario.model import Scenario
 from tiswarm.space import box
 from tiswarm.system.files import replacing
+
+MOST_SCENARIO = 1 << 20  # characters
+MOST_ITEM = 4 * 64  # bytes of one number or of one name
+FARTHEST = 1e15
+"""How far away anybody can get [m]: the fastest in the longest trial are nearer by orders of magnitude."""
 
 FATES = ("alive", "arrived", "captured", "crashed")
 
@@ -114,17 +118,15 @@ class Recording:
         Errors: ValueError when the file is no recording; OSError when it cannot be read.
         """
         try:
-            stored = np.load(path, allow_pickle=False)
-            if not isinstance(stored, np.lib.npyio.NpzFile):
-                raise ValueError("not an .npz file")
-            with stored:
+            with Archive(Path(path)) as stored:
+                _check_headers(stored)
                 prey, predators = (_swarm(stored, kind) for kind in ("prey", "predators"))
-                scenario = Scenario.from_json(str(stored["scenario"]))
-                numbers = (int(stored["seed"]), int(stored["trial"]))
-                obstacles = (stored["obstacle_position"], stored["obstacle_radius"])
+                scenario = Scenario.from_json(stored.text("scenario", MOST_SCENARIO))
+                numbers = (stored.number("seed"), stored.number("trial"))
+                obstacles = (stored.read("obstacle_position"), stored.read("obstacle_radius"))
                 recording = cls(scenario, *numbers, prey, predators, *obstacles)
             recording.check()
-        except (KeyError, ValueError, TypeError, IndexError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        except (ValueError, RecursionError) as error:
             reason = " ".join(str(error).split())
             raise ValueError(
                 f"{path}: not a recording of tiswarm ({reason}); make one with tiswarm.record(...).save(...)"
@@ -133,8 +135,12 @@ class Recording:
 
     def check(self) -> None:
         """Raise ValueError unless shapes agree, numbers are finite, fates are known and nobody returns once gone."""
-        if self.prey.position.ndim != 3:
-            raise ValueError("recording: prey position is not [tick, agent, dim]")
+        if self.prey.position.ndim != 3 or 0 in self.prey.position.shape:
+            raise ValueError("recording: prey position is not [tick, agent, dim], or is empty")
+        if self.dim != self.scenario.world.dim:
+            raise ValueError(f"recording: positions have {self.dim} numbers, the scenario's world {self.scenario.world.dim}")
+        if not 0 <= self.seed < 1 << 64 or not 0 <= self.trial < 1 << 31:
+            raise ValueError(f"recording: seed {self.seed} and trial {self.trial} are not both possible")
         rows = self.ticks + 1
         for name, swarm in (("prey", self.prey), ("predators", self.predators)):
             shape = (rows, swarm.count, self.dim)
@@ -145,19 +151,49 @@ class Recording:
             if swarm.state.shape != (rows, swarm.count) or swarm.group.shape != (rows, swarm.count):
                 raise ValueError(f"recording: {name} state and group are not both of shape {(rows, swarm.count)}")
             for term, values in swarm.terms.items():
-                if values.shape != shape:
+                if values.shape != shape or values.dtype.kind != "f":
                     raise ValueError(f"recording: {name} term {term} is not of shape {shape}")
-            if not np.isfinite(swarm.velocity[swarm.alive]).all():
-                raise ValueError(f"recording: {name} velocity is not finite where they are alive")
+            if not (_possible(swarm.velocity[swarm.alive]) and _possible(swarm.position[swarm.alive])):
+                raise ValueError(f"recording: {name} position and velocity are not finite where they are alive")
             if (swarm.alive[1:] & ~swarm.alive[:-1]).any():
                 raise ValueError(f"recording: an agent of {name} returns after it was gone")
         count = len(self.obstacle_radius) if self.obstacle_radius.ndim == 1 else -1
-        if self.obstacle_position.shape != (count, self.dim) or not np.isfinite(self.obstacle_position).all():
+        if self.obstacle_position.shape != (count, self.dim) or not _possible(self.obstacle_position):
             raise ValueError("recording: obstacle position and radius do not fit each other")
+        if not _possible(self.obstacle_radius) or (self.obstacle_radius < 0).any():
+            raise ValueError("recording: obstacle radius holds a number that is none, or below 0")
 
 
-def _swarm(stored: Mapping[str, np.ndarray], kind: str) -> Swarm:
+def _swarm(stored: Archive, kind: str) -> Swarm:
     """Read the path of one kind of agents."""
     start = f"{kind}_term_"
-    terms = {name.removeprefix(start): stored[name] for name in stored if name.startswith(start)}
-    return Swarm(**{name: stored[f"{kind}_{name}"] for name in _ARRAYS}, terms=terms)
+    terms = {name.removeprefix(start): stored.read(name) for name in stored.headers if name.startswith(start)}
+    return Swarm(**{name: stored.read(f"{kind}_{name}") for name in _ARRAYS}, terms=terms)
+
+
+_KINDS = {
+    **{f"{kind}_{name}": "f" for kind in ("prey", "predators") for name in ("position", "velocity")},
+    **{f"{kind}_{name}": "U" for kind in ("prey", "predators") for name in ("fate", "state")},
+    **{f"{kind}_group": "i" for kind in ("prey", "predators")},
+    "obstacle_position": "f",
+    "obstacle_radius": "f",
+}
+"""Arrays of a recording: name -> kind of number."""
+
+
+def _check_headers(stored: Archive) -> None:
+    """Refuse what announces no recording, before any array is inflated. Errors: DamagedArchive."""
+    for name, kind in _KINDS.items():
+        header = stored.headers.get(name)
+        if header is None or header.dtype.kind != kind or header.dtype.itemsize > MOST_ITEM:
+            raise DamagedArchive(f"{name} is missing, or of another type")
+    for kind in ("prey", "predators"):
+        shape = stored.headers[f"{kind}_position"].shape
+        wanted = {"velocity": shape, "fate": shape[1:2], "state": shape[:2], "group": shape[:2]}
+        if any(stored.headers[f"{kind}_{name}"].shape != each for name, each in wanted.items()):
+            raise DamagedArchive(f"the arrays of {kind} have shapes that do not fit each other")
+
+
+def _possible(numbers: np.ndarray) -> bool:
+    """Tell whether all numbers are finite and no larger than a trial can bring forth."""
+    return bool((np.abs(numbers) <= FARTHEST).all())

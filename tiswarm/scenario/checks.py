@@ -33,9 +33,24 @@ def check(scenario: "Scenario") -> None:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
+        _check_step(kind, agents, scenario.world.dt)
         if box.bounded(scenario.world.boundary) and agents.count:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size)
+        scenario.network(kind)
     _check_measures(scenario)
+
+
+LONGEST_STEP = 1e6
+"""Longest way of a tick [m]: squares and cubes of the distances of the longest trial still fit into single precision."""
+
+
+def _check_step(kind: str, agents: "Agents", dt: float) -> None:
+    """Refuse speeds that in one tick lead so far that numbers overflow and become none."""
+    start = max(map(abs, (*agents.spawn.velocity.low, *agents.spawn.velocity.high)))
+    for key, speed in (("max_speed", agents.max_speed), ("spawn.velocity", start)):
+        if speed * dt > LONGEST_STEP:
+            told = f"{speed:g} m/s are {speed * dt:g} m in a tick of {dt:g} s"
+            raise ScenarioError(f"{kind}.{key}: {told}; lower it or world.dt to {LONGEST_STEP:g} m a tick or less")
 
 
 def _check_flat(kind: registry.Kind, agents: "Agents", dim: int) -> None:

@@ -4,11 +4,14 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from tiswarm.system.words import did_you_mean
+from tiswarm.system.words import did_you_mean, safe, shortened
 
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be run; the message is one line that names the mend."""
+    """A scenario that cannot be run; the message is one line that names the mend, and safe to print."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(safe(message))
 
 
 def explained(error: ValidationError, model: type[BaseModel]) -> str:
@@ -57,8 +60,7 @@ def _allowed(complaint: Any) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return shortened(repr(value), 60)
 
 
 def _keys(model: Any, path: list[str]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
-from tiswarm.scenario import checks
+from tiswarm.scenario import checks, network
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import Measure
 from tiswarm.scenario.overrides import overridden
@@ -62,6 +62,8 @@ class World(Part):
     turn_factor: NotNegative = 0.0  # velocity that a tick inside the margin adds [m/s]
     # What a touch does: predator and prey both die, only the prey does, prey bounce off each other, or nothing.
     contact: Literal["deadly", "eaten", "bounce", "none"] = "deadly"
+    # When a touch counts: at places after a move, or wherever bodies come closest within a tick on straight ways.
+    contact_test: Literal["places", "swept"] = "swept"
     # How agents find their neighbours: by comparing all pairs, through a grid, or whichever is faster for so many.
     neighbours: Literal["auto", "all-pairs", "grid"] = "auto"
     areas: tuple[Area, ...] = ()
@@ -159,7 +161,10 @@ def _with_weights(agents: dict[str, Any], kind: registry.Side) -> dict[str, Any]
         if key in words and given[key] not in words[key]:
             hint = " or ".join(repr(word) for word in words[key])
             raise ScenarioError(f"{kind}.weights.{key}: {given[key]!r} is not allowed; use {hint}")
-        if key not in words and isinstance(given[key], str):
+        filed = isinstance(known[key], str) and key not in words  # the name of a file
+        if filed and not isinstance(given[key], str):
+            raise ScenarioError(f"{kind}.weights.{key}: {given[key]!r} is not allowed; name a file")
+        if key not in words and not filed and isinstance(given[key], str):
             raise ScenarioError(f"{kind}.weights.{key}: {given[key]!r} is not allowed; use a number")
     return {**agents, "weights": {**known, **given}}
 
@@ -259,7 +264,10 @@ class Scenario(Part):
     @classmethod
     def from_json(cls, text: str) -> "Scenario":
         """Read what `to_json` wrote. Errors: ScenarioError."""
-        return validated(json.loads(text))
+        try:
+            return validated(json.loads(text))
+        except (json.JSONDecodeError, RecursionError) as error:
+            raise ScenarioError(f"scenario: not valid JSON: {error}") from None
 
     def to_toml(self) -> str:
         """Write the scenario as a preset, defaults filled in."""
@@ -270,7 +278,22 @@ class Scenario(Part):
     def hash(self) -> str:
         """Name the scenario by what it computes: its preset, title, source and showcase do not count."""
         told = {key: value for key, value in plain(self).items() if key not in ("preset", "title", "source", "showcase")}
+        for kind in ("prey", "predators"):
+            steered = self.network(kind)
+            if steered is not None:
+                told[kind]["weights"]["network"] = steered.digest
         return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
+
+    def network(self, kind: str) -> network.Network | None:
+        """Give the network that steers the prey or the predators, None without one. Errors: ScenarioError."""
+        agents = self.prey if kind == "prey" else self.predators
+        side: registry.Kind = "prey" if kind == "prey" else "predators"
+        if not any(registry.load(side, part).networked for part in registry.parts(side, agents.strategy)):
+            return None
+        try:
+            return network.read(str(agents.weights["network"]))
+        except ScenarioError as error:
+            raise ScenarioError(f"{kind}.weights.network: {error}") from None
 
     def numbers(self) -> dict[str, float]:
         """Map the path of each number to it: "prey.weights.evade", "target.position.0", ...; a choice is its place."""

@@ -9,7 +9,11 @@ from typing import Any
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario, validated
-from tiswarm.system.words import did_you_mean
+from tiswarm.system.files import read_bounded
+from tiswarm.system.words import did_you_mean, reason
+
+MOST_TOML = 1 << 22
+"""Most bytes of a preset or of a study that are read."""
 
 
 def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) -> Scenario:
@@ -22,8 +26,20 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
     name = os.fspath(preset)
     file = find(name)
     known = {path: each for each, path in presets().items()}
-    scenario = validated({**_table(name), "preset": known.get(file, file.name)})
+    scenario = validated({**_beside(_table(name), file.parent), "preset": known.get(file, file.name)})
     return scenario.replaced(overrides) if overrides else scenario
+
+
+def _beside(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Let networks that lie beside a preset be found from anywhere."""
+    out = dict(table)
+    for kind in ("prey", "predators"):
+        agents = out.get(kind)
+        weights = agents.get("weights") if isinstance(agents, dict) else None
+        name = weights.get("network") if isinstance(weights, dict) else None
+        if isinstance(name, str) and not Path(name).is_absolute() and (folder / name).is_file():
+            out[kind] = {**agents, "weights": {**weights, "network": str(folder / name)}}  # type: ignore[dict-item]
+    return out
 
 
 def _table(preset: str, above: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -42,13 +58,20 @@ def _table(preset: str, above: tuple[str, ...] = ()) -> dict[str, Any]:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file. Errors: ScenarioError."""
+    """Read a TOML file, with or without a byte order mark. Errors: ScenarioError, for one that states nothing, too."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+        table = tomllib.loads(read_bounded(path, MOST_TOML).decode("utf-8-sig"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {reason(error)}") from None
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{path}: cannot be read: not UTF-8; save it as UTF-8 text") from None
+    except RecursionError:
+        raise ScenarioError(f"{path}: a value is nested too deeply") from None
+    except ValueError as error:
         raise ScenarioError(f"{path}: not valid TOML: {error}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from None
+    if not table:
+        raise ScenarioError(f'{path}: is empty; state what differs from the defaults, or base = "NAME"')
+    return table
 
 
 def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:

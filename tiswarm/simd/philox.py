@@ -8,6 +8,7 @@ from tiswarm.simd.runtime import LANES, Func, Types
 
 # Streams are keyed by purpose: two strategies under the same seed meet the same obstacles and starts.
 PREY, PREDATORS, OBSTACLES, STRATEGY, DEFLECTION, PREDATOR_DEFLECTION, CLUSTERS, CENTRES = 1, 2, 3, 4, 5, 6, 7, 8
+PREDATOR_STRATEGY = 9
 
 _ROUNDS = 10
 

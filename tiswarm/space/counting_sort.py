@@ -30,6 +30,7 @@ class Sorts:
 
 def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts:
     """Build the kernels that sort. They get the whole numbers twice: one by one, and a row (a vector) at a time."""
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
 
     @ti.func
     def share_of(whole: ti.template(), chunk):

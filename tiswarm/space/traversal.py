@@ -58,6 +58,7 @@ class Traversal:
 
 def build(types: Types, dimensions: int, periodic: bool, hashed: bool, at: CellIndex) -> Traversal:
     """Build the walks for a kind of grid; `at` are its funcs of places."""
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, real = types.lanes, types.real
     cells_of, image_of, shift = at.cells_of, at.image_of, at.shift
 

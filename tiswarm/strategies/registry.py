@@ -6,8 +6,9 @@ import importlib.metadata
 import importlib.util
 import sys
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import cache
+from math import isfinite
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
@@ -98,6 +99,7 @@ def load(kind: Kind, name: str) -> Any:
     strategy = getattr(module, "Strategy", None)
     if not isinstance(strategy, type):
         raise ValueError(f"{file}: has no class named Strategy; see CONTRIBUTING, 'Add a strategy'")
+    _check_class(strategy, kind, file)
     strategy.name = name  # type: ignore[attr-defined]
     return strategy
 
@@ -138,13 +140,46 @@ def roles(scenario: Any) -> Iterator[tuple[Side, Role, Kind, str]]:
             yield side, role, kind, getattr(getattr(scenario, side), role)
 
 
+_BASES = {"prey": "Prey", "predators": "Predator", "avoidance": "Avoidance"}
+
+
+def _check_class(strategy: Any, kind: Kind, file: Path | str) -> None:
+    """Refuse a class that does not have what all strategies have. Errors: ValueError that names the mend."""
+    base = getattr(importlib.import_module(f"tiswarm.strategies.{kind}"), _BASES[kind])
+    if not issubclass(strategy, base):
+        raise ValueError(f"{file}: Strategy is no {base.__name__}; write class Strategy({base.__name__})")
+    named = strategy.parts
+    if not isinstance(named, tuple) or not all(isinstance(each, str) for each in named):
+        raise ValueError(f"{file}: parts is {named!r}; write a tuple of names, as in ('explode', 'evasive')")
+    if not (isinstance(strategy.Weights, type) and is_dataclass(strategy.Weights)):
+        raise ValueError(f"{file}: Weights is no dataclass; write @dataclass(frozen=True) above it")
+    for field in fields(strategy.Weights):
+        default = field.default
+        if field.name == "network" and getattr(strategy, "networked", False):
+            continue  # the file of a network, which scenario/network.py checks
+        words = get_args(field.type) if get_origin(field.type) is Literal else ()
+        if words and default not in words:
+            raise ValueError(f"{file}: Weights.{field.name}: its default must be one of {', '.join(map(repr, words))}")
+        if not words and (isinstance(default, bool) or not isinstance(default, int | float) or not isfinite(default)):
+            raise ValueError(f"{file}: Weights.{field.name} has no number as its default; write {field.name}: float = 0.0")
+
+
 @cache
 def parts(kind: Kind, name: str) -> tuple[str, ...]:
     """Resolve a combination (kitchen-sink, explode-evasive, ...) into the strategies it is made of, in their order."""
-    strategy = load(kind, name)
-    if not strategy.parts:
-        return (name,)
-    return tuple(part for each in strategy.parts for part in parts(kind, each))
+    return _parts(kind, name, ())
+
+
+def _parts(kind: Kind, name: str, above: tuple[str, ...]) -> tuple[str, ...]:
+    try:
+        strategy = load(kind, name)
+    except UnknownStrategy as error:
+        if not above:
+            raise
+        raise ValueError(f"{_files(kind)[above[-1]]}: parts: {error}") from None
+    if name in above:
+        raise ValueError(f"{_files(kind)[name]}: parts {' -> '.join((*above, name))} are a circle; leave one out")
+    return tuple(part for each in strategy.parts for part in _parts(kind, each, (*above, name))) or (name,)
 
 
 def defaults(kind: Kind, name: str) -> dict[str, float | str]:

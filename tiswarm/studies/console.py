@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.measure import Measurement
 from rich.table import Table
 
@@ -14,13 +15,19 @@ from tiswarm.studies.axes import label
 from tiswarm.studies.payoffs import SHOWN, Contest
 from tiswarm.studies.report import Report, Row
 from tiswarm.studies.statistics import Correlation
+from tiswarm.system.words import safe
 
 WIDEST = 10_000
 
 
+def _heading(*lines: str) -> str:
+    """Give lines from a user's file as a heading: data, never markup or control characters."""
+    return "\n".join(escape(safe(line)) for line in lines if line.strip())
+
+
 def print_summary(results: Results, out: Console) -> None:
     """Print the estimates of a batch."""
-    table = Table(title=results.scenario.title, title_justify="left")
+    table = Table(title=_heading(results.scenario.title), title_justify="left")
     for head in ("", "mean", "± stderr", "95 % interval"):
         table.add_column(head, justify="right" if head else "left")
     for name, each in results.summary().items():
@@ -31,7 +38,7 @@ def print_summary(results: Results, out: Console) -> None:
 def print_report(report: Report, out: Console, played: Contest | None = None) -> None:
     """Print a study: as the game that it is, against what was published, or its cells; correlations; what was computed."""
     if played is not None:
-        print_contest(played, f"{report.study.title}\n{report.study.source}".strip(), out)
+        print_contest(played, _heading(report.study.title, report.study.source), out)
     elif report.study.published is not None:
         _print_rows(report, out)
     else:
@@ -50,7 +57,7 @@ def _print_cells(report: Report, out: Console) -> None:
     if not out.is_terminal:
         out.width = max(out.width, _width(cell_table(report.rows, report.keys, report.study.measures, named), out))
     table = fitting(report.rows, report.keys, report.study.measures, named, out)
-    table.title = f"{report.study.title}\n{report.study.source}".strip()
+    table.title = _heading(report.study.title, report.study.source)
     out.print(table)
 
 
@@ -68,7 +75,7 @@ def _width(table: Table, out: Console) -> int:
 def _print_rows(report: Report, out: Console) -> None:
     """Print ours ± standard error, the published mean and z, for each row and measure."""
     measures = report.study.measures
-    table = Table(title=f"{report.study.title}\n{report.study.source}", title_justify="left", box=box.SIMPLE, padding=0)
+    table = Table(title=_heading(report.study.title, report.study.source), title_justify="left", box=box.SIMPLE, padding=0)
     table.add_column("table", no_wrap=True)
     table.add_column("row", no_wrap=True)
     for measure in measures:

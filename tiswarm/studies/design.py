@@ -13,8 +13,9 @@ from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import COUNTED, MEASURED
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.parts import Part, Positive
-from tiswarm.scenario.presets import load, preset_folder, read_toml, study_names
+from tiswarm.scenario.presets import MOST_TOML, load, preset_folder, read_toml, study_names
 from tiswarm.studies.axes import Axis, Combine, Whole, label, points
+from tiswarm.system.files import read_bounded
 from tiswarm.system.words import did_you_mean
 
 MEASURES = ("success", "time", "impact_spread")
@@ -228,7 +229,7 @@ def published_means(study: Study, folder: Path, found: list[Cell]) -> dict[tuple
         return {}
     path = folder / study.published.file
     try:
-        lines = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+        lines = list(csv.DictReader(read_bounded(path, MOST_TOML).decode("utf-8-sig").splitlines()))
         means = {(line["table"], line["row"]): {measure: float(line[measure]) for measure in study.measures} for line in lines}
     except (OSError, KeyError, TypeError, ValueError) as error:
         needed = ", ".join(study.measures)

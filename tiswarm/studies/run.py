@@ -1,7 +1,9 @@
 """Run: run the cells of a design, batch by batch, each kept as soon as it is finished."""
 
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,7 @@ from tiswarm.simd import runtime
 from tiswarm.studies.design import Cell, Figure, Published, cells, find_study, load_study, published_means
 from tiswarm.studies.report import OUTCOMES, Report, Row
 from tiswarm.studies.store import Ledger
+from tiswarm.system.owner import locked
 from tiswarm.system.progress import reporting
 
 
@@ -40,7 +43,7 @@ def run_study(
     finished: called with each row, in the order in which they are there.
     figures: which to draw, the study's own when None.
 
-    Errors: ScenarioError; ValueError when the folder holds another run.
+    Errors: ScenarioError; ValueError when the folder holds another run, or another process writes into it.
     """
     started = time.perf_counter()
     study = load_study(name)
@@ -51,10 +54,6 @@ def run_study(
     found = cells(name, study, seed, overrides)
     published = published_means(study, find_study(name).parent, found)
     about = study.published or Published(file="", trials=1)
-    ledger = None
-    if folder is not None:
-        ledger = Ledger(folder, Path(name).stem, found, seed, count, study.measures, runtime.start())
-        ledger.open(fresh)
     rows: dict[int, Row] = {}
 
     def keep(cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
@@ -63,25 +62,43 @@ def run_study(
         if finished is not None:
             finished(rows[cell.number])
 
-    for cell in found:
-        held = ledger.read(cell) if ledger else None
-        if held is not None:
-            keep(cell, held)
-    missing = [cell for cell in found if cell.number not in rows]
+    with ExitStack() as held:
+        ledger = None
+        if folder is not None:
+            held.enter_context(locked(folder))
+            ledger = Ledger(folder, Path(name).stem, found, seed, count, study.measures, runtime.start())
+            held.callback(ledger.close)
+            ledger.open(fresh)
+            _take_in(ledger, found, columns_of(study.measures), keep)
+        missing = [cell for cell in found if cell.number not in rows]
 
-    def finish(cell: Cell, results: Results) -> None:
-        outcomes = outcomes_of(results, study.measures)
+        def finish(cell: Cell, results: Results) -> None:
+            outcomes = outcomes_of(results, study.measures)
+            if ledger:
+                ledger.keep(cell, outcomes)
+            keep(cell, outcomes)
+
+        with reporting(progress, len(found) * count, "trials") as report:
+            _run(missing, count, report, finish, before=len(rows) * count)
+        ordered = [rows[cell.number] for cell in found]
+        result = Report(Path(name).stem, study, ordered, seed, time.perf_counter() - started, len(missing))
         if ledger:
-            ledger.keep(cell, outcomes)
-        keep(cell, outcomes)
-
-    with reporting(progress, len(found) * count, "trials") as report:
-        _run(missing, count, report, finish, before=len(rows) * count)
-    ordered = [rows[cell.number] for cell in found]
-    result = Report(Path(name).stem, study, ordered, seed, time.perf_counter() - started, len(missing))
-    if ledger:
-        _close(ledger, result)
+            ledger.close()
+            _close(ledger, result)
     return result
+
+
+def _take_in(
+    ledger: Ledger, found: Sequence[Cell], columns: Sequence[str], keep: Callable[[Cell, Mapping[str, np.ndarray]], None]
+) -> None:
+    """Keep the cells that are on disk, and say once how many are there and do not fit."""
+    for cell in found:
+        outcomes = ledger.read(cell, columns)
+        if outcomes is not None:
+            keep(cell, outcomes)
+    if ledger.refused:
+        told = f"{ledger.refused} of {len(found)} cells were damaged or not of this run; they are computed anew"
+        warnings.warn(f"{ledger.folder}: {told}", stacklevel=3)
 
 
 def _run(
@@ -108,6 +125,11 @@ def _unmixed(scenario: Scenario) -> tuple[Any, ...]:
     """Give what two scenarios must have in common to share a kernel: all of its structure but the strategies."""
     structure = Structure.of([scenario], scenario.predators.count)
     return tuple(getattr(structure, each.name) for each in fields(structure) if each.name != "parts")
+
+
+def columns_of(measures: Sequence[str]) -> list[str]:
+    """Name what is kept of a cell's trials, in its order."""
+    return list(dict.fromkeys((*OUTCOMES, *measures)))
 
 
 def outcomes_of(results: Results, measures: Sequence[str]) -> dict[str, np.ndarray]:

@@ -2,9 +2,8 @@
 
 import inspect
 import json
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -12,14 +11,22 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.records.archive import Archive, DamagedArchive, digest
 from tiswarm.records.manifest import manifest
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
 from tiswarm.strategies import registry
 from tiswarm.studies.design import Cell
-from tiswarm.system.files import check_writable, replacing, write_text
+from tiswarm.system.files import read_bounded, replacing, sweep, write_text
 
 MANIFEST = "manifest.json"
+
+WRITERS = 8
+"""Threads that write cells: each mostly waits for the disc, and waiting together is no slower than waiting alone."""
+
+MOST_MANIFEST = 1 << 28
+MOST_IDENTITY = 1 << 14
+"""Most bytes of a manifest, and characters of a cell's identity, that are read."""
 
 _OUTCOMES = ("simd", "space", "strategies", "scenario", "dynamics", "measures", "engine")
 """Packages that outcomes of trials come from. Of strategies, only those count that are used."""
@@ -56,8 +63,9 @@ class Ledger:
     ) -> None:
         """Say whose the ledger is; nothing is read or written yet."""
         self.folder = folder
-        self._cells = cells
-        self._trials = trials
+        self.refused = 0
+        self._writers = ThreadPoolExecutor(WRITERS, "cells")
+        self._writing: list[Future[None]] = []
         told = {
             "study": study,
             "seed": seed,
@@ -76,7 +84,6 @@ class Ledger:
 
         Errors: ValueError when it holds another run; OSError when it cannot be written.
         """
-        check_writable(self.folder)
         place = self.folder / MANIFEST
         if fresh:
             place.unlink(missing_ok=True)  # first, so that a run killed here finds no manifest that claims the cells
@@ -84,10 +91,11 @@ class Ledger:
             held = read_manifest(place)
             self._compare(held)
             self.about |= {key: held[key] for key in ("wall_time_s",) if key in held}
-            self._sweep(".*.part*")
+            sweep(self.folder / "cells")
             return
-        self._sweep("*.npz")
-        self._sweep(".*.part*")
+        for file in (self.folder / "cells").glob("[0-9]*.npz"):
+            file.unlink(missing_ok=True)
+        sweep(self.folder / "cells")
         self.write()
 
     def _compare(self, held: Mapping[str, Any]) -> None:
@@ -99,10 +107,6 @@ class Ledger:
                     f"{self.folder}: holds {difference}; write to another folder with -o, or begin anew with --fresh"
                 )
 
-    def _sweep(self, pattern: str) -> None:
-        for file in (self.folder / "cells").glob(pattern):
-            file.unlink(missing_ok=True)
-
     def write(self, **more: Any) -> None:
         """Write the manifest, with more in it."""
         self.about |= more
@@ -111,26 +115,57 @@ class Ledger:
         write_text(self.folder / MANIFEST, f'{rest[:-2]},\n  "cells": [\n    {cells}\n  ]\n}}\n')
 
     def keep(self, cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
-        """Write a finished cell: name -> [trial]."""
-        with replacing(cell_file(self.folder, cell.number)) as part, part.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **outcomes)
+        """Write a finished cell, name -> [trial], while the next ones run. Errors: OSError, of this cell or one before."""
+        self._writing.append(self._writers.submit(self._write_cell, cell, outcomes))
+        while self._writing and self._writing[0].done():
+            self._writing.pop(0).result()
 
-    def read(self, cell: Cell) -> dict[str, np.ndarray] | None:
-        """Read a cell, None unless it is there whole."""
-        return read_cell(self.folder, cell.number, self._trials)
+    def close(self) -> None:
+        """Wait until all cells are on the disc. Errors: OSError when one could not be written."""
+        self._writers.shutdown()
+        for each in self._writing:
+            each.result()
+
+    def _write_cell(self, cell: Cell, outcomes: Mapping[str, np.ndarray]) -> None:
+        identity = identity_of(self.about, cell.number, list(outcomes)) | {"digest": digest(outcomes)}
+        with replacing(cell_file(self.folder, cell.number), durable=True) as part, part.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, identity=np.array(json.dumps(identity)), **outcomes)
+
+    def read(self, cell: Cell, columns: Sequence[str]) -> dict[str, np.ndarray] | None:
+        """Read a cell with these columns. None unless it is there; `refused` counts those that are there and do not fit."""
+        found = read_cell(self.folder, self.about, cell.number, columns)
+        if found is None and cell_file(self.folder, cell.number).exists():
+            self.refused += 1
+        return found
 
 
 def read_manifest(path: Path) -> dict[str, Any]:
-    """Read a study's manifest. Errors: ValueError when it is none."""
+    """Read a study's manifest. Errors: ValueError when it is none; OSError when it cannot be read."""
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, UnicodeDecodeError):
-        told = None
-    if not isinstance(told, dict) or not isinstance(told.get("cells"), list):
+        told = json.loads(read_bounded(path, MOST_MANIFEST).decode("utf-8-sig"))
+        whole = _is_manifest(told)
+    except (ValueError, RecursionError):
+        whole = False
+    if not whole:
         raise ValueError(
             f"{path}: is no manifest of a study's cells; write to another folder with -o, or begin anew with --fresh"
         )
-    return told
+    if not isinstance(told.get("wall_time_s"), int | float):
+        told.pop("wall_time_s", None)
+    return dict(told)
+
+
+_MANIFEST = {"study": str, "seed": int, "trials": int, "precision": str, "code": str, "measures": list, "cells": list}
+_CELL = {"cell": int, "row": str, "seed": int, "scenario_hash": str, "scenario": dict}
+"""What a manifest and its cells must hold to be worked with: key -> type."""
+
+
+def _is_manifest(told: Any) -> bool:
+    if not isinstance(told, dict) or not all(isinstance(told.get(key), kind) for key, kind in _MANIFEST.items()):
+        return False
+    cells = (each if isinstance(each, dict) else {} for each in told["cells"])
+    whole = all(isinstance(each.get(key), kind) for each in cells for key, kind in _CELL.items())
+    return whole and told["trials"] >= 1 and all(isinstance(name, str) for name in told["measures"])
 
 
 def cell_file(folder: Path, number: int) -> Path:
@@ -138,14 +173,29 @@ def cell_file(folder: Path, number: int) -> Path:
     return folder / "cells" / f"{number:05d}.npz"
 
 
-def read_cell(folder: Path, number: int, trials: int) -> dict[str, np.ndarray] | None:
-    """Read the outcomes of a cell, name -> [trial]; None unless they are there whole."""
+def identity_of(about: Mapping[str, Any], number: int, columns: Sequence[str]) -> dict[str, Any]:
+    """Say whose the outcomes of a cell are, by the manifest of its study."""
+    told = about["cells"][number]
+    of_study = {key: about.get(key) for key in ("study", "trials", "precision", "code")}
+    return of_study | {"cell": number, "scenario_hash": told["scenario_hash"], "seed": told["seed"], "columns": list(columns)}
+
+
+def read_cell(folder: Path, about: Mapping[str, Any], number: int, columns: Sequence[str]) -> dict[str, np.ndarray] | None:
+    """Read the outcomes of a cell, name -> [trial]; None unless they are there whole, and those of this study's cell.
+
+    about: the study's manifest; columns: the names that are expected, in their order.
+    """
+    trials, wanted = about["trials"], identity_of(about, number, columns)
     try:
-        with np.load(cell_file(folder, number), allow_pickle=False) as stored:
-            outcomes = {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error):
+        with Archive(cell_file(folder, number), most=(len(columns) * 8 * trials + 4 * MOST_IDENTITY) * 2) as stored:
+            identity = json.loads(stored.text("identity", MOST_IDENTITY))
+            shapes = {header.shape for name, header in stored.headers.items() if name != "identity"}
+            if not isinstance(identity, dict) or shapes != {(trials,)} or set(stored.headers) != {"identity", *columns}:
+                return None
+            outcomes = {name: stored.read(name) for name in columns}
+    except (OSError, DamagedArchive, ValueError, RecursionError):
         return None
-    return outcomes if outcomes and all(each.shape == (trials,) for each in outcomes.values()) else None
+    return outcomes if identity == wanted | {"digest": digest(outcomes)} else None
 
 
 def code_hash(scenarios: Sequence[Scenario]) -> str:

@@ -10,39 +10,49 @@ from typing import Any
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 
-_interrupted = False
+_ended: BaseException | None = None
 _at_work = False
 
 
 def listen_for_interrupts() -> None:
-    """Hear Ctrl-C at any moment.
+    """Hear Ctrl-C, and the signals that ask to end, at any moment.
 
-    Imports swallow an exception that happens to be raised in them: before the work begins, when there is nothing to clean
-    up, the process ends at once; later the interrupt is raised and remembered, too.
+    Imports swallow an exception that happens to be raised in them: before the work begins and after it, when there is nothing
+    to clean up, the process ends at once; meanwhile the interrupt is raised and remembered, too.
     """
 
-    def hear(_signal: int, _frame: Any) -> None:
-        global _interrupted
+    def hear(number: int, _frame: Any) -> None:
+        global _ended
+        code = 128 + number
         if not _at_work:
-            sys.stderr.write("tiswarm: interrupted before anything was written\n")
-            sys.stderr.flush()
-            os._exit(INTERRUPTED)
-        _interrupted = True
-        raise KeyboardInterrupt
+            if code == INTERRUPTED:
+                os.write(2, b"tiswarm: interrupted; nothing half-written is left\n")
+            os._exit(code)
+        _ended = KeyboardInterrupt() if code == INTERRUPTED else SystemExit(code)
+        raise _ended
 
-    signal.signal(signal.SIGINT, hear)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # not every system has the last
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup wants it ignored
+            signal.signal(number, hear)
 
 
 def heed_interrupts() -> None:
-    """Raise KeyboardInterrupt if there was one that nobody heard."""
-    if _interrupted:
-        raise KeyboardInterrupt
+    """Raise again what nobody heard: Ctrl-C, or a signal that asked to end."""
+    if _ended is not None:
+        raise _ended
 
 
 def begin_work() -> None:
     """Tell that from now on files may be half-written, so that an interrupt must let everybody clean up."""
     global _at_work
     _at_work = True
+
+
+def end_work() -> None:
+    """Tell that nothing is left to clean up, so that an interrupt may end the process at once."""
+    global _at_work
+    _at_work = False
 
 
 @contextmanager

@@ -1,9 +1,71 @@
-"""Words: what is said to people in one line: which known word was meant."""
+"""Words: what is said to people in one line: safe to print, short, with the mend."""
 
 import difflib
+import errno
+import os
+
+LONGEST_WORD = 240
+LONGEST_LINE = 1200
+"""Characters of one word and of one line that are shown whole."""
+
+MENDS = {
+    errno.ENOSPC: "make room, or write to another disc",
+    errno.EDQUOT: "make room, or write to another disc",
+    errno.EFBIG: "files may not grow that large here; write elsewhere, or raise the limit (ulimit -f)",
+    errno.EACCES: "choose a place that you may use, or change its permissions",
+    errno.EPERM: "choose a place that you may use, or change its permissions",
+    errno.EROFS: "choose a place that can be written to",
+    errno.ENOENT: "check the name",
+    errno.ENOTDIR: "name a folder",
+    errno.EISDIR: "name a file",
+    errno.EEXIST: "choose another name",
+    errno.ENOTEMPTY: "choose another name",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.ELOOP: "its symbolic links go in a circle; choose another name",
+    errno.EMFILE: "too many files are open; raise the limit (ulimit -n)",
+    errno.ENFILE: "too many files are open; close other programs",
+    errno.ENOMEM: "run fewer trials or agents at once",
+    errno.EAGAIN: "the system has no threads or processes left; use fewer --threads, or raise the limit (ulimit -u)",
+    errno.EIO: "the disc or the network failed; try again, or write elsewhere",
+}
+"""What helps against an error of the system."""
 
 
 def did_you_mean(word: str, known: list[str]) -> str:
     """Say which known word was probably meant."""
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(word[:LONGEST_WORD], known, n=1, cutoff=0.5)
     return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
+
+
+def safe(text: str) -> str:
+    """Give a text as one line that may be printed, whatever was typed into it.
+
+    Space becomes single; control characters, escape sequences and what turns the direction of writing are shown as escapes;
+    long words, such as a name of a thousand characters, and long lines lose their middle.
+    """
+    line = " ".join(shortened(word, LONGEST_WORD) for word in text.split(" ") if word)
+    line = "".join(each if each.isprintable() else _escaped(each) for each in line)
+    return shortened(line, LONGEST_LINE)
+
+
+def shortened(text: str, most: int) -> str:
+    """Cut the middle out of a text of more than `most` characters."""
+    return text if len(text) <= most else f"{text[: 2 * most // 3]}…{text[-(most // 3) + 1 :]}"
+
+
+def fault(error: OSError, name: str = "") -> str:
+    """Say what an error of the system is about, what happened, and the mend; name: where it names no file."""
+    told = error.filename if error.filename is not None else name
+    place = os.fsdecode(told) if isinstance(told, str | bytes | os.PathLike) else str(told)
+    return (f"{place}: " if place else "") + reason(error)
+
+
+def reason(error: OSError) -> str:
+    """Say what happened in an error of the system, and the mend."""
+    happened = error.strerror or str(error) or type(error).__name__
+    mend = "" if ";" in happened else MENDS.get(error.errno or 0, "")
+    return happened[0].lower() + happened[1:] + (f"; {mend}" if mend else "")
+
+
+def _escaped(character: str) -> str:
+    return " " if character in "\n\t" else character.encode("unicode_escape").decode("ascii")

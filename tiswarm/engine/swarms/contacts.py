@@ -61,7 +61,8 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
         @ti.func
         def meet_obstacle(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             away = from_obstacle(here, agents, j, reals)
-            meet_one(view.touched, view.pull, view.me, senses.obstacle_of(agents, j), away, view.target, view.numbers, 0)
+            obstacle = senses.obstacle_of(agents, j)
+            meet_one(view.touched, view.pull, view.me, view.travel, obstacle, away, view.target, view.numbers, 0)
 
         walk = senses.crosses("obstacles", meet_obstacle)
 
@@ -75,7 +76,8 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
                 target = see.target_of(numbers, 0)
                 touched = [lanes(0.0)]
                 pull = [lanes(0.0) for _ in ti.static(range(dim))]
-                view = Together(touched=touched, pull=pull, me=me, numbers=numbers, target=target)
+                travel = rules.travel_of(scratch, a)
+                view = Together(touched=touched, pull=pull, me=me, travel=travel, numbers=numbers, target=target)
                 walk(view, place(me), crowds.obstacles, block * LANES // crowd.whole[SLOTS])
                 if ti.static(field):
                     for k in ti.static(range(dim)):
@@ -96,13 +98,18 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
         """Build what marks agents of a kind that touch an opponent, unless an obstacle has killed one of them."""
         ferry, other, end_of = carried[kind], carried[opponents], end_in(kind)
         from_other = senses.away_in(opponents)
+        came = [other.kept.index(row) for row in rows.travel]
 
         @ti.func
         def meet_opponent(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            touch = rules.touches(from_other(here, agents, j, reals), view.reach)
+            whom = (view.trial * view.crowd.count + other.number_in(view.crowd.whole, j)) * other.wide
+            travel = [1.0 * view.travel[k] for k in ti.static(range(dim))]
+            for k, column in ti.static(enumerate(came)):
+                travel[k] = travel[k] - view.crowd.cold[whom + column]
+            away = from_other(here, agents, j, reals)
+            touch = rules.touches(rules.nearest(away, travel, view.numbers, 0), view.reach)
             if anywhere(touch):
-                whom = view.trial * view.crowd.count + other.number_in(view.crowd.whole, j)
-                alive = view.crowd.cold[whom * other.wide]
+                alive = view.crowd.cold[whom]
                 view.found[0] = larger(view.found[0], ti.select(touch, alive, 0.0))
 
         walk = senses.crosses(opponents, meet_opponent)
@@ -117,7 +124,10 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
                 me, _ = ferry.load(scratch, a, crowd, numbers, crowd.count, block, end)
                 found = [lanes(0.0)]
                 reach = numbers[at.prey.radius] + numbers[at.predators.radius]
-                view = Together(found=found, crowd=crowds.of(opponents), reach=reach, trial=trial)
+                travel = rules.travel_of(scratch, a)
+                view = Together(
+                    found=found, crowd=crowds.of(opponents), travel=travel, numbers=numbers, reach=reach, trial=trial
+                )
                 walk(view, place(me), crowds.of(opponents), trial)
                 hit = moved * scratch[a + rows.alive] * found[0]
                 for lane in ti.static(range(LANES)):

@@ -1,7 +1,6 @@
-"""Kernels: what a tick of large swarms launches: how all agents of a kind move, and means over whole swarms.
+"""Kernels: what a tick of large swarms launches: how all agents of a kind move, and what they remember.
 
-A crowd (near_cells.py) has cold rows by number as well: see transfer.py. Means are sums over fixed pieces of the slots, added
-up in their order, so that no bit depends on threads.
+A crowd (near_cells.py) has cold rows by number as well: see transfer.py.
 """
 
 from dataclasses import dataclass
@@ -13,19 +12,16 @@ from tiswarm.dynamics import steering
 from tiswarm.dynamics.integrator import drifted
 from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
-from tiswarm.engine.swarms import transfer
+from tiswarm.engine.swarms import means, transfer
 from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
-from tiswarm.simd.lanes import Together, motion, place
+from tiswarm.simd.lanes import Together
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 # What the clock of a swarm holds: ticks run, the number of its first trial, the two words of the seed, whether it has moved.
 AGE, FIRST, KEY_LOW, KEY_HIGH, MOVED, CLOCK = range(6)
-
-PIECE = 128
-"""Blocks whose sums are added up first: the order of summation does not depend on threads."""
 
 
 @dataclass(frozen=True)
@@ -261,54 +257,6 @@ def build(
 
         return drift
 
-    @ti.kernel
-    def average(agents: near.prey.agent_array, whole: whole_array, sums: flat, means: cold_array):
-        """Write number, mean position and mean velocity of each trial's prey. sums: rows of lanes, some for each piece."""
-        blocks = whole[SLOTS] // LANES
-        pieces = (blocks + PIECE - 1) // PIECE
-        for index in range(pieces * whole[TRIALS] * TASK):
-            if index % TASK == 0:
-                piece = index // TASK
-                trial = piece // pieces
-                end = near.prey.alive_end(whole, trial)
-                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 2))])
-                first = trial * blocks + piece % pieces * PIECE
-                for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
-                    here = lanes(
-                        [ti.select(block * LANES + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))]
-                    )
-                    own.n += here
-                    for k in ti.static(range(dim)):
-                        place(own)[k] += here * lanes([agents[block * LANES + lane][k] for lane in ti.static(range(LANES))])
-                        motion(own)[k] += here * lanes(
-                            [agents[block * LANES + lane][dim + k] for lane in ti.static(range(LANES))]
-                        )
-                row = piece * (2 * dim + 1)
-                sums[row] = own.n
-                for k in ti.static(range(dim)):
-                    sums[row + 1 + k] = place(own)[k]
-                    sums[row + 1 + dim + k] = motion(own)[k]
-        for trial in range(whole[TRIALS]):
-            at = trial * (2 * dim + 2)
-            for k in ti.static(range(2 * dim + 1)):
-                total = lanes(0.0)
-                for piece in range(trial * pieces, (trial + 1) * pieces):
-                    total += sums[piece * (2 * dim + 1) + k]
-                means[at + k] = total.sum()
-            share = 1.0 / ti.max(means[at], 1.0)
-            for k in ti.static(range(2 * dim)):
-                means[at + 1 + k] = share * means[at + 1 + k]
-
-    @ti.kernel
-    def rank(whole: whole_array, order: whole_array, count: ti.i32):
-        """Write which slot the agent of each number is in, -1 for those who are gone."""
-        for at in range(whole[TRIALS] * count):
-            order[at] = -1
-        for slot in range(whole[SLOTS] * whole[TRIALS]):
-            trial = slot // whole[SLOTS]
-            if slot < near.prey.alive_end(whole, trial):
-                order[trial * count + carried["prey"].number_in(whole, slot)] = slot
-
     strategies = layout.parts("prey", "strategy")
     return TickKernels(
         move_prey=kernel_of("prey", move_prey_block),
@@ -320,8 +268,7 @@ def build(
         remember=revises("prey", remember),
         drift_prey=drifts("prey"),
         drift_predators=drifts("predators"),
-        average=average,
-        rank=rank,
+        **vars(means.build(layout, types, see, near, carried["prey"].number_in)),
         starts=driven.starts or "prey" in frame.unicycles,
         remembers=driven.remembers,
         ranks=any(p.strategy.leads for p in strategies) or bool(layout.parts("predators", "strategy", "observe")),

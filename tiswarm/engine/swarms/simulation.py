@@ -1,12 +1,13 @@
 """Simulation: large swarms, one or many at once; eight agents that follow each other in cell order are a thread's lanes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from operator import index
 
 import numpy as np
 
 from tiswarm.dynamics.table import Layout, Structure
-from tiswarm.engine.choice import check
+from tiswarm.engine.choice import check, sweeps
 from tiswarm.engine.swarms import initial
 from tiswarm.engine.swarms.state import Crowds
 from tiswarm.records.labels import grouped, named
@@ -16,9 +17,6 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.simd import runtime
 from tiswarm.strategies import registry
-
-AT_ONCE = 262_144
-"""Agents of trials that run at once: they fill both cores, and not the memory."""
 
 MOST_TRIALS = 2**31 - 1
 
@@ -34,12 +32,20 @@ class Swarm(Crowds):
     """
 
     def __init__(
-        self, scenario: Scenario, seed: int = 0, trials: int = 1, trial: int = 0, start: Start | Paths | None = None
+        self,
+        scenario: Scenario,
+        seed: int = 0,
+        trials: int = 1,
+        trial: int = 0,
+        start: Start | Paths | None = None,
+        *,
+        terms: bool = False,
     ) -> None:
         """Draw the starts of `trials` trials from number `trial` on, the same as in a batch, or take an explicit one.
 
         start: one for all trials; or positions and velocities of prey alone, [trial, agent, dim] each, m and m/s, NaN for those
         who are not there: trials and agents are then counted there.
+        terms: whether `record` keeps what each term added to every velocity.
 
         Errors: ScenarioError for what needs the trials of few agents (`neighbours = "all-pairs"`); ValueError for numbers that
         are not finite.
@@ -58,7 +64,11 @@ class Swarm(Crowds):
         elif start is not None:
             scenario = start.applied(scenario)
         check(scenario)
-        layout = Layout(Structure.of([scenario], scenario.predators.count), runtime.types().lanes)
+        unmeasured = scenario.replaced({"measures.names": [], "coverage.cell": 0})  # measures.py has kernels of its own
+        structure = Structure.of([unmeasured], scenario.predators.count, terms=terms)
+        if not sweeps(scenario):  # nobody asks then how far agents came, and nothing need be kept
+            structure = replace(structure, frame=replace(structure.frame, swept=False))
+        layout = Layout(structure, runtime.types().lanes)
         if isinstance(start, Start):
             states = initial.given(start, trials)
         else:
@@ -82,6 +92,12 @@ class Swarm(Crowds):
             return np.full((self.trials, crowd.grid.count), FATES[0])
         return np.array(FATES)[crowd.row(self._layout.rows.fate)[:, : crowd.grid.count].astype(int)]
 
+    @property
+    def hits(self) -> np.ndarray:
+        """Count the prey that have been inside an obstacle, where obstacles.contact only counts that: [trial]."""
+        crowd = self._prey
+        return crowd.row(self._layout.rows.hit).sum(axis=1) if self.mortal else np.zeros(self.trials)
+
     def memory(self, kind: str) -> dict[str, dict[str, np.ndarray]]:
         """Give the agents' memory: strategy -> name -> [trial, agent]."""
         crowd = self._crowds[kind]
@@ -92,6 +108,14 @@ class Swarm(Crowds):
             for p in self._layout.parts(kind, "strategy")
         }
         return {name: memory for name, memory in rows.items() if memory}
+
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [trial, agent, dim], m/s."""
+        crowd = self._crowds[kind]
+        return {
+            name: np.stack([crowd.row(row)[:, : crowd.grid.count] for row in rows], axis=-1).astype(np.float64)
+            for name, rows in self._layout.courses[kind].items()
+        }
 
     @property
     def obstacle_position(self) -> np.ndarray:
@@ -129,9 +153,9 @@ class Swarm(Crowds):
 class Alone:
     """One trial of a large swarm, with what engine/trials/trial.py's Single gives: arrays [agent, ...]."""
 
-    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None, *, terms: bool = False) -> None:
         """Draw the start from seed and trial number, or take an explicit one. Errors: as of `Swarm`."""
-        self._swarm = Swarm(scenario, seed, 1, trial, start)
+        self._swarm = Swarm(scenario, seed, 1, trial, start, terms=terms)
 
     @property
     def scenario(self) -> Scenario:
@@ -166,6 +190,10 @@ class Alone:
         """Give their velocity: [agent, dim], m/s, NaN for those who are gone."""
         return self._swarm.velocity(kind)[0]
 
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [agent, dim], m/s."""
+        return {name: rows[0] for name, rows in self._swarm.courses(kind).items()}
+
     def fate(self, kind: str) -> np.ndarray:
         """Name what became of each agent so far: [agent]."""
         return self._swarm.fate(kind)[0]
@@ -185,22 +213,3 @@ class Alone:
     def renumber(self, scenario: Scenario) -> None:
         """Take over the numbers of a scenario of the same structure and counts; they judge the state of now."""
         self._swarm.renumber(scenario)
-
-
-def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> dict[str, np.ndarray]:
-    """Run trials 0, 1, ... through a grid to their ends: name of an outcome (trials.OUTCOMES) -> [trial].
-
-    report: called with the number of trials done.
-    """
-    at_once = max(AT_ONCE // max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count, 1), 1)
-    found: list[dict[str, np.ndarray]] = []
-    for first in range(0, trials, at_once):
-        swarm = Swarm(scenario, seed, min(at_once, trials - first), first)
-        while not swarm.ended.all():
-            swarm.step()
-        names = ("alive", "arrived", "captured", "crashed")
-        counted = {name: swarm.counts[:, k] for k, name in enumerate(names)}
-        times = {"ticks": swarm.ended_at, "first_arrival": swarm.first_arrival, "last_arrival": swarm.last_arrival}
-        found.append(counted | times)
-        report(first + swarm.trials)
-    return {name: np.concatenate([each[name] for each in found]).astype(np.int32) for name in found[0]}

@@ -11,7 +11,7 @@ from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import Layout
 from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
-from tiswarm.engine.swarms import contacts, initial, kernels, near_cells, transfer
+from tiswarm.engine.swarms import contacts, initial, kernels, means, near_cells, transfer
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.launch import prepared
@@ -70,7 +70,7 @@ class Crowds:
         self._numbers = initial.numbers_of(scenario, layout)
         self._scratch = runtime.aligned((transfer.CHUNKS * transfer.scratch_rows(layout), LANES), types.dtype)
         prey = self._prey.grid
-        dim, pieces = scenario.world.dim, -(-prey.slots // LANES // kernels.PIECE)
+        dim, pieces = scenario.world.dim, -(-prey.slots // LANES // means.PIECE)
         self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), LANES), types.dtype)
         self._means = np.zeros(trials * (2 * dim + 2), types.dtype)
         self._order = np.zeros(trials * max(prey.count, 1), np.int32)

@@ -24,7 +24,7 @@ def kept_rows(layout: Layout, kind: str, *, mortal: bool) -> list[int]:
     mortal: whether agents can die, arrive or be seen by opponents at all.
     """
     rows = layout.rows
-    kept = [rows.alive, rows.fate, rows.seen, rows.hit] if mortal else []
+    kept = [rows.alive, rows.fate, rows.seen, rows.hit, *rows.travel] if mortal else []
     if layout.parts(kind, "avoidance", "field"):
         kept += rows.field
     if kind in layout.structure.frame.unicycles:
@@ -45,15 +45,13 @@ class Transfer:
     save_rows: Func  # write the cold rows of a block's agents back
     save_shown: Func  # write what agents show of their memory into their records
     saves: Func
-    wide: int  # rows of scratch memory that agents and notes take
+    kept: list[int]  # the rows of an agent's cold columns
+    wide: int  # how many those are
     number_in: Func  # give the number of the agent in a slot, from 0 within its trial
 
 
 def build(layout: Layout, types: Types, see: Views, senses: CellSearch, kind: str, mortal: bool):
-    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind.
-
-    wide: how many cold rows an agent has.
-    """
+    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind."""
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows
     kept = kept_rows(layout, kind, mortal=mortal)
@@ -114,7 +112,9 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, kind: st
 
         return save_moved
 
-    return Transfer(load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, wide=wide, number_in=number_in)
+    return Transfer(
+        load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, number_in=number_in, wide=wide, kept=kept
+    )
 
 
 @ti.func

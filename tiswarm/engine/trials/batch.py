@@ -34,8 +34,13 @@ class Blocks:
     Attributes are as the kernel's arguments of the same names (kernel.py).
     """
 
-    def __init__(self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None) -> None:
-        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None."""
+    def __init__(
+        self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None, *, terms: bool = False
+    ) -> None:
+        """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None.
+
+        terms: whether agents note their velocity behind each term of a move.
+        """
         types = runtime.types()
         self.blocks, self.precision = blocks, runtime.start().precision
         self.counts = counts or (
@@ -44,7 +49,7 @@ class Blocks:
             max(scenario.obstacles.count for scenario in scenarios),
         )
         check_pairs(max(self.counts))
-        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1]))
+        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1], terms=terms))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype

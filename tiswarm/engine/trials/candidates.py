@@ -37,16 +37,19 @@ class Candidates:
         self._settings = runtime.start()
         self._blocks = Blocks([scenario], self._settings.threads, counts)
 
-    def run(self, values: np.ndarray, trials: np.ndarray, seed: int) -> Results:
+    def run(
+        self, values: np.ndarray, trials: np.ndarray, seed: int, networks: Mapping[str, np.ndarray] | None = None
+    ) -> Results:
         """Run the same trials for every candidate.
 
-        values: [candidate, path], in the order of `paths`; trials: [trial], their numbers.
+        values: [candidate, path], in the order of `paths`; trials: [trial], their numbers; networks: prey or predators ->
+        [candidate, weight], each candidate's own.
         Gives results of candidates * trials outcomes, all trials of the first candidate first; the numbers that candidates
         have of their own are its `weights`.
         """
         own = dict(zip(self.paths, values.T, strict=True))
         rows, count = len(values), len(values) * len(trials)
-        table = self._blocks.layout.table([self.scenario], own or None).astype(self._blocks.dtype)
+        table = self._blocks.layout.table([self.scenario], own or None, networks).astype(self._blocks.dtype)
         jobs = np.stack([np.repeat(np.arange(rows), len(trials)), np.tile(trials, rows)], axis=1).astype(np.int32)
         outcomes, measured = self._blocks.outcomes(count)
         for first in range(0, count, CHUNK):

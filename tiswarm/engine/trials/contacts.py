@@ -19,7 +19,7 @@ from tiswarm.dynamics.table import (
     Layout,
 )
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import anywhere, larger, motion
+from tiswarm.simd.lanes import anywhere, larger, minus, motion
 from tiswarm.simd.runtime import Func, Types
 
 
@@ -53,11 +53,13 @@ def build(layout: Layout, types: Types, see: Views) -> Contacts:
             for i in range(counts[column]):
                 a = (b * counts[column] + i) * agent_rows
                 me = me_at(agents, a, i, limits)
+                travel = rules.travel_of(agents, a)
                 touched = [lanes(0.0)]
                 pull = [lanes(0.0) for _ in ti.static(range(dim))]
                 for j in range(counts[2]):
                     obstacle = see.obstacle_at(obstacles, b, counts[2], j)
-                    meet_obstacle(touched, pull, me, obstacle, see.gap(me, obstacle, numbers, b), target, numbers, b)
+                    away = see.gap(me, obstacle, numbers, b)
+                    meet_obstacle(touched, pull, me, travel, obstacle, away, target, numbers, b)
                 for k in ti.static(range(dim)):
                     agents[a + rows.field[k]] = pull[k]
                 crashed += crash(agents, a, me, touched[0], moved, target, numbers, b)
@@ -82,7 +84,8 @@ def build(layout: Layout, types: Types, see: Views) -> Contacts:
             for j in range(counts[1]):
                 q = (b * counts[1] + j) * predator_rows
                 hunter = predator_mate(predators, q, j)
-                touch = rules.touches(see.gap(me, hunter, numbers, b), reach)
+                travel = minus(rules.travel_of(prey, a), rules.travel_of(predators, q))
+                touch = rules.touches(rules.nearest(see.gap(me, hunter, numbers, b), travel, numbers, b), reach)
                 if anywhere(touch):
                     hit = ti.select(touch, moved * me.alive * hunter.alive, 0.0)
                     captured = larger(captured, hit)

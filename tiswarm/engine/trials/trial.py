@@ -16,8 +16,8 @@ from tiswarm.scenario.start import Start
 class Single:
     """A trial that pauses after every tick."""
 
-    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None) -> None:
-        """Draw the start from seed and trial number, or take an explicit one."""
+    def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None, *, terms: bool = False) -> None:
+        """Draw the start from seed and trial number, or take an explicit one. terms: for `courses`."""
         trial, seed = index(trial), index(seed)
         if not 0 <= trial < 1 << 31:
             raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
@@ -25,7 +25,7 @@ class Single:
             scenario = start.applied(scenario)
         self.scenario = scenario
         self.seed = seed
-        self._blocks = Blocks([scenario], 1)
+        self._blocks = Blocks([scenario], 1, terms=terms)
         surveying = self._blocks.layout.parts("predators", "strategy", "survey")
         self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
@@ -140,6 +140,11 @@ class Single:
         rows = self._agents(kind)
         return {p.part.name: {name: rows[row].copy() for name, row in zip(p.memory, p.memory_rows, strict=True)} for p in parts}
 
+    def courses(self, kind: str) -> dict[str, np.ndarray]:
+        """Give the velocity behind each term of the last move, in their order: name -> [agent, dim], m/s."""
+        rows = self._agents(kind)
+        return {name: rows[places].T.astype(np.float64) for name, places in self._blocks.layout.courses[kind].items()}
+
     def obstacles(self) -> tuple[np.ndarray, np.ndarray]:
         """Give the obstacles' centres and radii: [obstacle, dim] and [obstacle], m."""
         rows = self._obstacles().astype(np.float64)
@@ -159,6 +164,7 @@ class Single:
         rows[self._rows.alive] = here
         for row, values in zip([*self._rows.place, *self._rows.motion], np.hstack([position, velocity]).T, strict=True):
             rows[row] = np.where(here, values, rows[row])
+        rows[self._rows.travel] = 0  # nobody came from anywhere
         self._advance(0)  # the fields at the new places
 
 

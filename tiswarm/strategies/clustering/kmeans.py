@@ -47,6 +47,7 @@ def build(layout, types: Types, uniform):
 
     layout: the rows of prey and of a block's whole numbers (`layout.Layout`).
     """
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, real = types.lanes, types.real
     dim, own_rows, rows = len(layout.axes), layout.agent_rows["prey"], layout.rows
     at = board_rows(dim)

@@ -38,6 +38,7 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
     most: clusters that there may be. at: the first rows of middle (cluster * dim) and inertia (k - 1), and of the rows for each
     prey, of which there are n: alive, place (axis, prey), draft, weight and drawn.
     """
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, real = types.lanes, types.real
 
     @ti.func

@@ -33,6 +33,7 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
     (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point),
     draft, weight, and kept (k - 1, point).
     """
+    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes = types.lanes
 
     @ti.func

@@ -23,6 +23,7 @@ class Predator:
     live: the weight that, when not 0, lets `consult` do on the host what `survey` does in kernels: single trials only.
     flocks: whether the scenario's separation, cohesion and alignment act.
     rules: whether `pursue` gives the velocity itself, so that nothing else adds to it.
+    networked: whether a network, the file that the weight `network` names, sets gains or velocity by what is noted.
     """
 
     parts: tuple[str, ...] = ()
@@ -35,6 +36,7 @@ class Predator:
     live: str = ""
     flocks: bool = True
     rules: bool = False
+    networked: bool = False
 
     @dataclass(frozen=True)
     class Weights:
@@ -91,6 +93,11 @@ class Predator:
 
         away: the way from it to me.
         """
+
+    @staticmethod
+    @ti.func
+    def notice(notes: ti.template(), me, obstacle, away, weights):
+        """Add to the notes what one obstacle tells, at any distance, for a network; away: the way from its centre."""
 
     @staticmethod
     @ti.func

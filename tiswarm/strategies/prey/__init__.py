@@ -22,6 +22,7 @@ class Prey:
     watches: whether `threat` is needed (it costs a loop over the predators).
     leads: whether `observe` needs agents 1 and 2.
     dice: whether `kick` needs two random numbers a tick.
+    networked: whether a network, the file that the weight `network` names, sets gains or velocity by what is noted.
     """
 
     parts: tuple[str, ...] = ()
@@ -34,6 +35,7 @@ class Prey:
     watches: bool = False
     leads: bool = False
     dice: bool = False
+    networked: bool = False
 
     @dataclass(frozen=True)
     class Weights:
@@ -48,6 +50,11 @@ class Prey:
     def sight(weights, perception):
         """Give how far `observe` and `beware` look [m]: large swarms visit nobody beyond, and inf compares all pairs."""
         return inf, inf
+
+    @staticmethod
+    def kick_speed(weights):
+        """Give how long a `kick` is at most [m/s]: large swarms look so much farther for what is touched on the way."""
+        return inf
 
     @staticmethod
     def states(memory, weights):
@@ -82,6 +89,11 @@ class Prey:
     @ti.func
     def beware(notes: ti.template(), me, hunter, away, weights):
         """Add to the notes what one predator tells, at any distance, gone ones (hunter.alive = 0) too."""
+
+    @staticmethod
+    @ti.func
+    def notice(notes: ti.template(), me, obstacle, away, weights):
+        """Add to the notes what one obstacle tells, at any distance, for a network; away: the way from its centre."""
 
     @staticmethod
     @ti.func

@@ -25,6 +25,10 @@ class Strategy(Prey):
         leap: float = 3.0  # speed of the kick [m/s]
 
     @staticmethod
+    def kick_speed(weights):
+        return weights["leap"]
+
+    @staticmethod
     def states(memory, weights):
         return {"jumped": memory["jumped"] > 0.5}
 

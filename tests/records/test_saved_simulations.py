@@ -11,6 +11,8 @@ import pytest
 import render
 from tiswarm.records.saved import is_saved, load_saved
 
+pytestmark = pytest.mark.quick
+
 FOLDER = Path(__file__).parent / "saved"
 
 

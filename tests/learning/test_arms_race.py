@@ -1,0 +1,131 @@
+"""The arms race: answers that gain are taken in, what is on disk is gone on with, and wrong rules are refused."""
+
+import json
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import tiswarm
+from tiswarm.learning.arms_race import Race, rules_of
+from tiswarm.studies import zero_sum
+
+RULES = """
+title = "Small"
+base = "delft/pronav-10"
+trials = 300
+rounds = 2
+budget = 1280
+candidates = 8
+search_trials = 20
+checks = 100
+[prey]
+policies = [{ "prey.strategy" = "evasive", "prey.avoidance" = "kitchen-sink" }]
+[prey.over]
+"prey.goal" = [0.01, 1.0, "log"]
+[predators]
+policies = [
+    { "predators.strategy" = "centre", "predators.goal" = 0.0 },
+    { "predators.strategy" = "centre", "predators.goal" = 0.001 },
+]
+[predators.over]
+"predators.goal" = [0.0001, 1.0, "log"]
+"""
+
+
+@pytest.fixture
+def rules(tmp_path):
+    (tmp_path / "r.toml").write_text(RULES)
+    return rules_of(str(tmp_path / "r.toml"))
+
+
+def test_predators_that_do_not_hunt_learn_to(rules, tmp_path, f32):
+    rounds = Race(rules, tmp_path / "out").run()
+    first = rounds[0]
+    hunting = next(each for each in first.answers if each.side == "predators")
+    assert hunting.accepted
+    assert hunting.policy.changes["predators.goal"] > 0.001
+    assert len(rounds[1].predators) == 3
+    assert zero_sum.solve(rounds[1].payoff[:1]).value < first.solution.value  # had the prey learned nothing meanwhile
+    assert first.exploitability > 0
+
+
+def test_the_matrix_is_what_trials_give_and_gains_are_told_on_it(rules, tmp_path, f32):
+    rounds = Race(rules, tmp_path / "out").run()
+    base = tiswarm.load(rules.base)
+    last = rounds[-1]
+    for i, prey in enumerate(last.prey):
+        for j, predators in enumerate(last.predators):
+            alone = tiswarm.simulate(base.replaced({**prey.changes, **predators.changes}), 300, 0)
+            assert last.payoff[i, j] == alone.success.mean()
+    for before, after in pairwise(rounds):
+        for answer in before.answers:
+            if answer.accepted and answer.side == "predators":
+                column = [each.name for each in after.predators].index(answer.policy.name)
+                met = before.solution.rows @ after.payoff[: len(before.prey), column]
+                assert answer.gain.mean == pytest.approx(before.solution.value - met, abs=1e-9)
+
+
+def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, tmp_path, f32):
+    Race(rules, tmp_path / "whole").run()
+    cut = tmp_path / "cut"
+
+    def stop(_round):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Race(rules, cut).run(finished=stop)
+    Race(rules, cut).run()
+    assert (cut / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
+    with pytest.raises(ValueError, match="holds another race: seed 0, not 3"):
+        Race(rules, cut, seed=3).run()
+
+
+def test_the_command_prints_rounds_and_writes_them(tmp_path):
+    (tmp_path / "r.toml").write_text(RULES.replace("rounds = 2", "rounds = 1"))
+    command = [sys.executable, "-m", "tiswarm", "bench", str(tmp_path / "r.toml"), "-o", str(tmp_path / "out")]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert "predators gain" in run.stdout
+    assert (tmp_path / "out" / "payoff.png").is_file()
+    assert (tmp_path / "out" / "film.mp4").is_file()
+    told = json.loads((tmp_path / "out" / "race.json").read_text())
+    assert {"value", "payoff", "answers", "prey", "predators"} <= told[0].keys()
+    refused = subprocess.run([*command, "--set", "prey.goal=1"], capture_output=True, text=True, timeout=60, check=False)
+    assert refused.returncode == 2
+    assert "drop --set" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("rounds = 2", "rounds = 0", "rounds"),
+        ("candidates = 8", "candidates = 2", "candidates"),
+        ('"prey.goal" = [0.01, 1.0, "log"]', '"prey.goal" = 3', "prey.over"),
+        ('title = "Small"', 'title = "Small"\nround = 3', "round"),
+    ],
+)
+def test_wrong_rules_are_refused_in_one_line(old, new, told, tmp_path):
+    (tmp_path / "r.toml").write_text(RULES.replace(old, new))
+    with pytest.raises(tiswarm.ScenarioError) as error:
+        rules_of(str(tmp_path / "r.toml"))
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_the_shipped_race_is_one_and_the_thesis_s_game_is_none(f32):
+    rules = rules_of("delft-race")
+    assert rules is not None
+    assert rules_of("delft-game") is None
+    for side in ("prey", "predators"):
+        for changes in getattr(rules, side).policies:
+            known = tiswarm.load(rules.base, changes).numbers()
+            assert set(getattr(rules, side).over) <= known.keys()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_solver_s_mixtures_cannot_be_exploited(seed):
+    payoff = np.random.default_rng(seed).normal(size=(4, 6))
+    found = zero_sum.solve(payoff)
+    assert (payoff @ found.columns).max() - (found.rows @ payoff).min() == pytest.approx(0.0, abs=1e-9)
