@@ -3,10 +3,12 @@
 import inspect
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import taichi as ti
 
+from tiswarm.strategies import registry
 from tiswarm.strategies.lane_rules import check_lanes
 
 PREAMBLE = "import taichi as ti\n\nfrom tiswarm.strategies import anywhere\n\n"
@@ -59,7 +61,7 @@ ELSEWHERE = {"bit_shr", "frexp"}
 def source(body):
     """Write a strategy's function that gives what a body returns."""
     lines = "".join(f"    {line.strip()}\n" for line in body.split(";"))
-    return f"{PREAMBLE}\n@ti.func\ndef term(x, y):\n{lines}"
+    return f"{PREAMBLE}\n@staticmethod\n@ti.func\ndef steer(x, y):\n{lines}"
 
 
 @pytest.mark.parametrize("body", REFUSED)
@@ -75,6 +77,9 @@ def test_what_is_allowed_works_in_lanes(tmp_path):
         PREAMBLE + "".join(f"\n@ti.func\ndef term_{n}(x, y):\n    return {term}\n\n" for n, term in enumerate(ALLOWED))
     )
     check_lanes(tmp_path / "terms.py")
+    own = {file for kind in registry.KINDS for file in registry._files(kind).values() if isinstance(file, Path)}
+    for file in own:
+        check_lanes(file)
     code = f"""
 import numpy as np, taichi as ti
 from tiswarm.simd import runtime

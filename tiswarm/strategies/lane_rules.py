@@ -25,13 +25,15 @@ def check_lanes(file: Path) -> None:
     for func in ast.walk(tree):
         if not isinstance(func, ast.FunctionDef) or not any(_is_ti(each, ("func",)) for each in func.decorator_list):
             continue
+        hook = any(ast.unparse(each) == "staticmethod" for each in func.decorator_list)
+        counters = _counters(func) if hook else None  # what else a strategy builds may be given numbers that are no lanes
         for node in ast.walk(func):
-            mend = _mend(node)
+            mend = _mend(node, counters)
             if mend:
                 raise ValueError(f"{file}:{getattr(node, 'lineno', func.lineno)}: {mend}")
 
 
-def _mend(node: ast.AST) -> str | None:
+def _mend(node: ast.AST, counters: set[str] | None) -> str | None:
     """Say what to write instead of what lanes cannot do."""
     match node:
         case ast.UnaryOp(op=ast.USub()) if not isinstance(node.operand, ast.Constant):
@@ -43,17 +45,16 @@ def _mend(node: ast.AST) -> str | None:
         case ast.BinOp(op=ast.Pow(), right=power) | ast.AugAssign(op=ast.Pow(), value=power) if not _whole(power):
             return "lanes have no power but whole ones, x ** 2: write products and ti.sqrt"
         case ast.Call():
-            return _mend_of_call(node)
+            return _mend_of_call(node, counters)
     return None
 
 
-def _mend_of_call(call: ast.Call) -> str | None:
+def _mend_of_call(call: ast.Call, counters: set[str] | None) -> str | None:
     name = ast.unparse(call.func)
     taichis = isinstance(call.func, ast.Attribute) and name.startswith(("ti.", "tm."))
     if _ends_in(call.func, _NO_LANES) or (taichis and _ends_in(call.func, _NO_LANES_OF_TAICHI)):
         return f"lanes have no {name}: see CONTRIBUTING, 'Write a term in lanes'"
-    one_lane = any(isinstance(each, ast.Subscript) for argument in call.args for each in ast.walk(argument))
-    if _ends_in(call.func, _CASTS) and call.args and not one_lane:
+    if counters is not None and _ends_in(call.func, _CASTS) and call.args and not _one_number(call.args[0], counters):
         return f"lanes have no {name}: convert one lane after the other, see CONTRIBUTING, 'Write a term in lanes'"
     if isinstance(call.func, ast.Attribute) and call.func.attr in _FIRST_LANE and not call.args:
         return f"{name}() looks at the first lane only: write anywhere(mask)"
@@ -62,6 +63,21 @@ def _mend_of_call(call: ast.Call) -> str | None:
     if name == "ti.random":
         return "ti.random() gives other numbers at every number of threads: use the dice that `kick` is given"
     return None
+
+
+def _counters(func: ast.FunctionDef) -> set[str]:
+    """Name what loops count by: one number each, not lanes."""
+    targets = [node.target for node in ast.walk(func) if isinstance(node, ast.For | ast.comprehension)]
+    return {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+
+
+def _one_number(argument: ast.expr, counters: set[str]) -> bool:
+    """Tell whether an expression is one number as far as one can see: a lane of lanes, or made of counters alone."""
+    inside = list(ast.walk(argument))
+    return (
+        any(isinstance(each, ast.Subscript) for each in inside)
+        or {each.id for each in inside if isinstance(each, ast.Name)} <= counters
+    )
 
 
 def _whole(number: ast.expr) -> bool:
