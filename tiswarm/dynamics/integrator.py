@@ -50,6 +50,8 @@ def build(layout: Layout) -> Steps:
             n = b * width
             margin = numbers[n + at.margin]
             step = numbers[n + at.turn_factor]
+            if ti.static(frame.per_second):
+                step = numbers[n + at.dt] * step
             for k in ti.static(range(dim)):
                 here = place(me)[k]
                 course[k] += ti.select(here < margin, step, 0.0)

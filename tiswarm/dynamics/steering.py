@@ -83,6 +83,14 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             note(agents, a, kind, "cohesion", [own + pull for own, pull in ti.static(zip(motion(me), both, strict=True))])
 
     @ti.func
+    def timed(term, numbers: ti.template(), b):
+        """Give what a term adds to the velocity in this tick: itself, or in a world of gains per second as much of it."""
+        added = term
+        if ti.static(frame.per_second):
+            added = numbers[b * width + at.dt] * term
+        return added
+
+    @ti.func
     def pulled(
         agents: ti.template(), a, here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b
     ):
@@ -94,7 +102,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             pull = senses.flocked[kind](mates, numbers, b, me)
             note_flocking(agents, a, kind, me, mates)
             for k in ti.static(range(dim)):
-                course[k] += pull[k]
+                course[k] += timed(pull[k], numbers, b)
             note(agents, a, kind, "alignment", course)
         return course
 
@@ -164,7 +172,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             elif ti.static("steer" in p.own):
                 steer = p.strategy.steer(me, threat, swarm, notes[j], memory_of(p, prey, a), weights)
                 for k in ti.static(range(dim)):
-                    course[k] += weights.on * steer[k]
+                    course[k] += timed(weights.on * steer[k], numbers, b)
             note(prey, a, "prey", p.part.name, course)
 
     @ti.func
@@ -198,13 +206,14 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
         if ti.static(frame.targeted):
             way = see.sight(target, me, numbers, b)
             for k in ti.static(range(dim)):
-                course[k] += orders[0] * way[k]
+                course[k] += timed(orders[0] * way[k], numbers, b)
         note(prey, a, "prey", "goal", course)
         for k in ti.static(range(dim)):
-            course[k] += orders[1] * prey[a + rows.field[k]] if ti.static(led) else prey[a + rows.field[k]]
+            field = orders[1] * prey[a + rows.field[k]] if ti.static(led) else prey[a + rows.field[k]]
+            course[k] += timed(field, numbers, b)
         if ti.static(led):
             for k in ti.static(range(2)):
-                course[k] += orders[2 + k]
+                course[k] += timed(orders[2 + k], numbers, b)
         note(prey, a, "prey", "field", course)
         steps.wall_turn(course, me, numbers, b)
         note(prey, a, "prey", "walls", course)
@@ -248,10 +257,11 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             consults[p.part](notes, here, predators, a, me, numbers, b, chased, aim, dice, orders)
         course = pulled(predators, a, here, "predators", me, numbers, b)
         for k in ti.static(range(dim)):
-            course[k] += orders[1] * predators[a + rows.field[k]] if ti.static(chasing) else predators[a + rows.field[k]]
+            field = orders[1] * predators[a + rows.field[k]] if ti.static(chasing) else predators[a + rows.field[k]]
+            course[k] += timed(field, numbers, b)
         if ti.static(chasing):
             for k in ti.static(range(2)):
-                course[k] += orders[2 + k]
+                course[k] += timed(orders[2 + k], numbers, b)
         note(predators, a, "predators", "field", course)
         steps.wall_turn(course, me, numbers, b)
         note(predators, a, "predators", "walls", course)
@@ -268,7 +278,7 @@ def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uni
             else:
                 goal = weights.on * goal
                 for k in ti.static(range(dim)):
-                    course[k] += goal * way[k]
+                    course[k] += timed(goal * way[k], numbers, b)
         note(predators, a, "predators", "pursuit", course)
         turned(course, here, "predators", me, numbers, b)
         note(predators, a, "predators", "turn", course)

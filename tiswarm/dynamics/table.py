@@ -62,6 +62,7 @@ class Frame:
     contact: str
     swept: bool
     verlet: bool
+    per_second: bool
     targeted: bool
     counts_hits: bool
     clear: bool
@@ -84,6 +85,7 @@ class Frame:
             contact=world.contact,
             swept=world.contact_test == "swept",
             verlet=world.scheme == "verlet",
+            per_second=world.gains == "per-second",
             targeted=scenario.target.present,
             counts_hits=scenario.obstacles.contact == "count",
             clear=scenario.obstacles.clear,

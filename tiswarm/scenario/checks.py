@@ -36,6 +36,8 @@ def check(scenario: "Scenario") -> None:
         if agents.min_speed > agents.max_speed:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
         _check_step(kind, agents, scenario.world.dt)
+        if scenario.world.gains == "per-second" and (kind == "prey" or agents.count):
+            _check_per_second(kind, agents, scenario.obstacles.count)
         if box.bounded(scenario.world.boundary) and agents.count:
             ball = agents.spawn.shape == "ball"
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size, scenario.world.boundary, ball)
@@ -73,6 +75,16 @@ def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:
             if not registry.load(where, part).periodic and (kind == "prey" or agents.count):
                 told = f"'{part}' has no meaning in a world without edges; use another, or world.boundary 'open' or 'walls'"
                 raise ScenarioError(f"{kind}.{key}: {told}")
+
+
+def _check_per_second(kind: str, agents: "Agents", obstacle_count: int) -> None:
+    """Refuse what acts once a tick however long it is: under gains by the second, halving a tick would not converge."""
+    mend = "use another, or world.gains = 'per-tick'"
+    if agents.drive == "unicycle":
+        raise ScenarioError(f"{kind}.drive: a unicycle takes a new course once a tick, not by the second; {mend}")
+    for part in registry.parts("avoidance", agents.avoidance) if obstacle_count else ():
+        if {"blocks", "deflect"} & vars(registry.load("avoidance", part)).keys():
+            raise ScenarioError(f"{kind}.avoidance: '{part}' turns the course once a tick, not by the second; {mend}")
 
 
 def _check_flat(kind: registry.Kind, agents: "Agents", dim: int) -> None:

@@ -55,6 +55,8 @@ class World(Part):
     size: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=3)] = (100.0, 50.0)  # m; a corner is the origin
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
     dt: Positive = 1.0  # s
+    # What gains, fields and strategies add to a velocity is meant a tick, however long, or a second: halving dt then converges.
+    gains: Literal["per-tick", "per-second"] = "per-tick"
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
     boundary: Boundary = "open"  # disc: the largest circle, or sphere, in the box reflects whoever comes to it
     wrap_sight: bool = True  # whether agents see across a periodic edge
@@ -127,10 +129,11 @@ class Agents(Part):
     drive: Literal["point", "unicycle"] = "point"  # unicycle: a point `ahead` of the axle follows the commanded velocity
     ahead: Positive = 0.05  # m
     max_turn: Positive = 3.636  # rad/s
-    cohesion: Real = 0.005  # 1/s
-    separation: Real = 0.05  # 1/s
-    alignment: Real = 0.05  # 1/s
-    goal: Real = 0.1  # prey: pull of the target [1/s]; predators: pull of what they pursue
+    # Gains add to the velocity in every tick; under world.gains = "per-second" they are divided by s once more.
+    cohesion: Real = 0.005  # of the way to the mates' centre [1/s a tick]
+    separation: Real = 0.05  # of the sum of ways from mates within `spacing` [1/s a tick]
+    alignment: Real = 0.05  # of the difference to the mates' velocity [1/tick]
+    goal: Real = 0.1  # prey: of the way to the target [1/s a tick]; predators: of the way to what they pursue
     spawn: Spawn
     weights: Annotated[dict[str, Number | str], AfterValidator(Weights)] = Field(
         default_factory=Weights

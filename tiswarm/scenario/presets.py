@@ -2,6 +2,7 @@
 
 import os
 import tomllib
+import warnings
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario, validated
+from tiswarm.strategies import registry
 from tiswarm.system.files import read_bounded
 from tiswarm.system.words import did_you_mean, reason
 
@@ -27,7 +29,21 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
     file = find(name)
     known = {path: each for each, path in presets().items()}
     scenario = validated({**_beside(_table(name), file.parent), "preset": known.get(file, file.name)})
-    return scenario.replaced(overrides) if overrides else scenario
+    scenario = scenario.replaced(overrides) if overrides else scenario
+    if file not in known or "world.dt" in (overrides or {}):
+        _warn_of_ticks(scenario)
+    return scenario
+
+
+def _warn_of_ticks(scenario: Scenario) -> None:
+    """Say in one line that gains which act once a tick mean something else when a tick is not a second."""
+    dt = scenario.world.dt
+    flocks = any(registry.load("prey", name).flocks for name in registry.parts("prey", scenario.prey.strategy))
+    gains = [scenario.prey.goal] * scenario.target.present
+    gains += [scenario.prey.cohesion, scenario.prey.separation, scenario.prey.alignment] * flocks
+    if dt != 1 and scenario.world.gains == "per-tick" and any(gains):
+        told = f"world.dt: {dt:g} s, and gains act once a tick, {1 / dt:g} times a second"
+        warnings.warn_explicit(f'{told}; set world.gains = "per-second" if you mean them so', UserWarning, "tiswarm", 0)
 
 
 def _beside(table: dict[str, Any], folder: Path) -> dict[str, Any]:
