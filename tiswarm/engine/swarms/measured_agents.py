@@ -5,7 +5,7 @@ no value depends on threads. The formulas are those of measures/, for both engin
 """
 
 from collections.abc import Callable
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
@@ -15,15 +15,26 @@ from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas, traps
 from tiswarm.simd.lanes import Together
-from tiswarm.simd.runtime import LANES, TASK, Types
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.space.cell_list import CellFuncs
 from tiswarm.space.cells import HEAD, SLOTS, TRIALS
 
 PIECE = 16
 """Blocks whose sums are added up first: the order of summation does not depend on threads."""
 
 
-def build_pieces(layout: Layout, types: Types, near: Any) -> SimpleNamespace:
-    """Build `motion`, `spin` and body_of, and `pieces` (a func that adds a block to some columns -> kernel).
+@dataclass(frozen=True)
+class Pieces:
+    """Kernels that sum up over agents, and what others are made of."""
+
+    motion: Func  # a column for each of formulas.add_motion's sums
+    spin: Func  # three columns
+    pieces: Callable[..., Func]  # how many columns, and a func that adds a block to them -> kernel
+    body_of: Func  # a block's agents
+
+
+def build_pieces(layout: Layout, types: Types, near: CellFuncs) -> Pieces:
+    """Build the kernels.
 
     near: the funcs of the prey's grid. Kernels take its arrays, numbers, centres ([trial * dim], m) and sums: [piece * column].
     """
@@ -84,12 +95,10 @@ def build_pieces(layout: Layout, types: Types, near: Any) -> SimpleNamespace:
     def add_spin(own: ti.template(), here: ti.template(), body, block, end):  # noqa: ARG001 - as its sisters
         formulas.add_spin(own, body, middle(here), lengths(here.numbers))
 
-    return SimpleNamespace(
-        motion=pieces(formulas.AHEAD + 2 * dim, add_motion), spin=pieces(3, add_spin), pieces=pieces, body_of=body_of
-    )
+    return Pieces(motion=pieces(formulas.AHEAD + 2 * dim, add_motion), spin=pieces(3, add_spin), pieces=pieces, body_of=body_of)
 
 
-def build_sweep(layout: Layout, types: Types, near: Any):
+def build_sweep(layout: Layout, types: Types, near: CellFuncs):
     """Build the kernel that counts visits of cells.
 
     ground: [trial * cell], in how many states a tool lay on it how often, -1 where there is none; clean: [trial], cells swept.
@@ -120,7 +129,7 @@ def build_sweep(layout: Layout, types: Types, near: Any):
     return sweep
 
 
-def build_watch(layout: Layout, types: Types, see: Views, near: Any, body_of: Any):
+def build_watch(layout: Layout, types: Types, see: Views, near: CellFuncs, body_of: Any):
     """Build the kernel that takes one state into all prey's windows. cold: [trial * agent * row], by number (trap_rows)."""
     lanes, real, rows = types.lanes, types.real, trap_rows(layout)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)

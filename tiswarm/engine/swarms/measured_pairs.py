@@ -5,7 +5,7 @@ of its group in the end, whoever came first.
 """
 
 from collections.abc import Callable
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import Any
 
 import taichi as ti
@@ -14,8 +14,9 @@ from tiswarm.dynamics.table import Layout
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas
 from tiswarm.simd.lanes import Together, anywhere, dot, place, smaller
-from tiswarm.simd.runtime import LANES, TASK, Types
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.box_lanes import displacement
+from tiswarm.space.cell_list import CellFuncs
 from tiswarm.space.cells import CELLS, COUNT_X, HEAD, PER_METRE, PERIOD, REACH_X, SLOTS, TRIALS
 
 FAR = 1e15
@@ -27,7 +28,7 @@ NOBODY = 1e30
 NO_LABEL = 2**31 - 1
 
 
-def build_pairs(layout: Layout, types: Types, near: Any, pieces: Callable[..., Any]):
+def build_pairs(layout: Layout, types: Types, near: CellFuncs, pieces: Callable[..., Any]):
     """Build the kernel that sums up distances to nearest neighbours, and energies of pairs beside those at perception.
 
     A column each. Both come from one walk through the cells; who has met nobody near enough looks for the nearest further on.
@@ -123,8 +124,16 @@ def build_pairs(layout: Layout, types: Types, near: Any, pieces: Callable[..., A
     return pieces(2, add_pairs)
 
 
-def build_groups(layout: Layout, types: Types, near: Any, body_of: Any) -> SimpleNamespace:
-    """Build `join` and `shorten`, launched in turns until nothing changes: then agents of a group bear its first slot as label.
+@dataclass(frozen=True)
+class Labels:
+    """Kernels that find groups."""
+
+    join: Func  # give neighbours the lower of their labels
+    shorten: Func  # give agents the label of those whose label they bear
+
+
+def build_groups(layout: Layout, types: Types, near: CellFuncs, body_of: Any) -> Labels:
+    """Build the kernels, launched in turns until nothing changes: then agents of a group bear its first slot as label.
 
     near: the funcs of the grid that is searched; labels: [slot], at first each its own.
     """
@@ -182,10 +191,10 @@ def build_groups(layout: Layout, types: Types, near: Any, body_of: Any) -> Simpl
                 label = labels[label]
             labels[slot] = label
 
-    return SimpleNamespace(join=join, shorten=shorten)
+    return Labels(join=join, shorten=shorten)
 
 
-def build_refile(near: Any, other: Any, dim: int):
+def build_refile(near: CellFuncs, other: CellFuncs, dim: int):
     """Build the kernel that puts a grid's agents into another grid with cells of its own size, where its sort expects them."""
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
 

@@ -5,7 +5,6 @@ arrays between two ticks.
 """
 
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,13 +21,13 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime
 from tiswarm.simd.lanes import TINY
 from tiswarm.simd.launch import prepared
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import LANES, Func
 from tiswarm.space.cell_list import Grid
 
 MOTION = {"polarisation", "milling", "speed", "kinetic"}
 PAIRS = {"nearest", "potential"}
 
-_built: dict[tuple[Any, ...], SimpleNamespace] = {}
+_built: dict[tuple[Any, ...], dict[str, Func]] = {}
 
 
 class Measures:
@@ -191,7 +190,7 @@ class Measures:
 
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         if name not in self._ready:
-            self._ready[name] = prepared(getattr(self._kernels, name), *arguments, precision=self._swarm.grid.precision)
+            self._ready[name] = prepared(self._kernels[name], *arguments, precision=self._swarm.grid.precision)
         self._ready[name](*(each for each in arguments if isinstance(each, int)))
 
 
@@ -202,21 +201,22 @@ def _search_grid(scenario: Scenario, grid: Grid) -> Grid:
     return Grid(grid.space, scenario.measures.distance, grid.count, grid.trials)
 
 
-def _kernels(layout: Layout, grid: Grid, search: Grid) -> SimpleNamespace:
-    """Give the kernels for what a structure measures, built once per runtime."""
+def _kernels(layout: Layout, grid: Grid, search: Grid) -> dict[str, Func]:
+    """Give the kernels for what a structure measures, by name, built once per runtime."""
     key = (runtime.generation(), layout.structure, id(grid.funcs), id(search.funcs))
     if key not in _built:
         types, names = runtime.types(), set(layout.structure.frame.measures)
         near, dim = grid.funcs, len(layout.axes)
-        own = measured_agents.build_pieces(layout, types, near)
+        sums = measured_agents.build_pieces(layout, types, near)
+        own = {"motion": sums.motion, "spin": sums.spin}
         if names & PAIRS:
-            own.pairs = measured_pairs.build_pairs(layout, types, near, own.pieces)
+            own["pairs"] = measured_pairs.build_pairs(layout, types, near, sums.pieces)
         if "groups" in names:
-            vars(own).update(vars(measured_pairs.build_groups(layout, types, search.funcs, own.body_of)))
-            own.refile = measured_pairs.build_refile(near, search.funcs, dim)
+            own.update(vars(measured_pairs.build_groups(layout, types, search.funcs, sums.body_of)))
+            own["refile"] = measured_pairs.build_refile(near, search.funcs, dim)
         if names & set(TRAPS):
-            own.watch = measured_agents.build_watch(layout, types, views.build(layout, types), near, own.body_of)
+            own["watch"] = measured_agents.build_watch(layout, types, views.build(layout, types), near, sums.body_of)
         if names & set(SWEPT):
-            own.sweep = measured_agents.build_sweep(layout, types, near)
+            own["sweep"] = measured_agents.build_sweep(layout, types, near)
         _built[key] = own
     return _built[key]
