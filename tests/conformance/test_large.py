@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.dynamics.table import Structure
+from tiswarm.dynamics.specialisation import Structure
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.trials.trial import Single
 from tiswarm.strategies import registry

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.dynamics.table import Layout, Structure
+from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.table import Layout
 from tiswarm.measures import recorded
 from tiswarm.measures.deadlocks import deadlocks
 from tiswarm.records.recording import Recording, Swarm

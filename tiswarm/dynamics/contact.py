@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import ARRIVED, CRASHED, Layout
+from tiswarm.dynamics.rows import ARRIVED, CRASHED
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, smaller, unit
 from tiswarm.simd.runtime import Func, Types

@@ -8,7 +8,8 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout, Part
+from tiswarm.dynamics.specialisation import Part
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import larger, smaller
 from tiswarm.strategies import neural

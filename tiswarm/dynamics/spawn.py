@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import STAYS, TRIAL, Layout
+from tiswarm.dynamics.rows import STAYS, TRIAL
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import FAR
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import capped, dot, larger

@@ -1,7 +1,7 @@
-"""Table: which code a scenario selects (structure), and where each of its numbers lies (columns of a table)."""
+"""Table: where each number of a scenario lies in the table of a batch, a column each, a row a trial."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,163 +9,12 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.dynamics import network_columns, terms
-from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.measures import TRAPS
+from tiswarm.dynamics.rows import agent_rows
+from tiswarm.dynamics.specialisation import Part, Structure
 from tiswarm.scenario.model import Scenario
-from tiswarm.scenario.network import Shape
-from tiswarm.space import box
 from tiswarm.strategies import registry
 
-# Values of an agent's fate, in the order of recording.FATES.
-STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
-# Rows of a block's clock: is the lane in use, has its trial ended, ticks run, states measured, and what is counted.
-(
-    ON, DONE, AGE, MEASURED, ALIVE_COUNT, ARRIVED_COUNT, CAPTURED_COUNT, CRASHED_COUNT, FIRST_ARRIVAL, LAST_ARRIVAL, CLOCK_ROWS
-) = range(11)  # fmt: skip
-# Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
-TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
-
 _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
-
-
-@dataclass(frozen=True)
-class Part:
-    """One strategy or avoidance whose code a kernel holds.
-
-    mixed: whether only some trials of the batch use it, so that a weight `on` of 1 or 0 must tell; shape: of its network.
-    """
-
-    kind: registry.Side
-    role: registry.Role
-    catalogue: registry.Kind
-    name: str
-    mixed: bool
-    shape: Shape | None = None
-
-    @property
-    def strategy(self) -> Any:
-        """Give the class with its hooks."""
-        return registry.load(self.catalogue, self.name)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What all scenarios of one batch must have in common: the kind of world, and what is measured in it.
-
-    unicycles, slow: which kinds of agents are driven so, and which have a least speed; cells: of the coverage grid, (0, 0)
-    without one.
-    """
-
-    dim: int
-    boundary: str
-    wrap_sight: bool
-    contact: str
-    swept: bool
-    verlet: bool
-    per_second: bool
-    targeted: bool
-    counts_hits: bool
-    clear: bool
-    shapes: tuple[str, str]
-    capped: tuple[bool, bool]
-    unicycles: tuple[str, ...]
-    slow: tuple[str, ...]
-    measures: tuple[str, ...]
-    cells: tuple[int, int]
-
-    @classmethod
-    def of(cls, scenario: Scenario) -> "Frame":
-        """Find the frame of a scenario."""
-        world, agents = scenario.world, {"prey": scenario.prey, "predators": scenario.predators}
-        cell = scenario.coverage.cell
-        return cls(
-            dim=world.dim,
-            boundary=world.boundary,
-            wrap_sight=box.wraps(world.boundary) and world.wrap_sight,
-            contact=world.contact,
-            swept=world.contact_test == "swept",
-            verlet=world.scheme == "verlet",
-            per_second=world.gains == "per-second",
-            targeted=scenario.target.present,
-            counts_hits=scenario.obstacles.contact == "count",
-            clear=scenario.obstacles.clear,
-            shapes=(scenario.prey.spawn.shape, scenario.predators.spawn.shape),
-            capped=(scenario.prey.spawn.capped, scenario.predators.spawn.capped),
-            unicycles=tuple(kind for kind, each in agents.items() if each.drive == "unicycle"),
-            slow=tuple(kind for kind, each in agents.items() if each.min_speed > 0),
-            measures=scenario.measures.names,
-            cells=(int(np.ceil(world.size[0] / cell)), int(np.ceil(world.size[1] / cell))) if cell else (0, 0),
-        )
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What selects a kernel's code: two batches with equal structures share one kernel.
-
-    hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
-    """
-
-    frame: Frame
-    parts: tuple[Part, ...]
-    hunted: bool
-    terms: bool = False
-
-    @classmethod
-    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Structure":
-        """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
-
-        Errors: ScenarioError when their worlds are of different kinds.
-        """
-        frames = {Frame.of(scenario) for scenario in scenarios}
-        if len(frames) > 1:
-            one, other = list(frames)[:2]
-            name = next(field.name for field in fields(Frame) if getattr(one, field.name) != getattr(other, field.name))
-            told = f"{getattr(one, name)} and {getattr(other, name)}"
-            raise ScenarioError(f"batch: scenarios differ in {name} ({told}); run them one after the other")
-        hunted = predator_count > 0
-        parts = []
-        for same in zip(*(registry.roles(scenario) for scenario in scenarios), strict=True):
-            kind, role, catalogue, _ = same[0]
-            if kind == "predators" and not hunted:
-                continue
-            chosen = [registry.parts(catalogue, name) for *_, name in same]
-            for name in sorted(set().union(*chosen)):
-                mixed = not all(name in each for each in chosen)
-                users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
-                shape = network_columns.shape_of(users, kind) if role == "strategy" else None
-                parts.append(Part(kind, role, catalogue, name, mixed, shape))
-        return cls(frames.pop(), tuple(parts), hunted, terms)
-
-
-def _agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool) -> SimpleNamespace:
-    """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
-    row = iter(range(100))
-
-    def vector() -> list[int]:
-        return [next(row) for _ in range(dim)]
-
-    def trap() -> SimpleNamespace:
-        """See traps.py."""
-        vectors = {name: vector() for name in ("anchor", "last", "total")}
-        names = ("held", "path", "counted", "time", "spin", "most", "spin_sum", "most_sum")
-        return SimpleNamespace(**vectors, **{name: next(row) for name in names})
-
-    return SimpleNamespace(
-        place=vector(),
-        motion=vector(),
-        alive=next(row),
-        fate=next(row),
-        field=vector(),
-        seen=next(row),
-        hit=next(row),  # predators: touches prey; prey: has been inside an obstacle
-        next_place=vector(),
-        next_motion=vector(),
-        travel=vector() if swept else [],  # how far it came in the last tick, across a periodic edge, too
-        heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
-        label=next(row) if "groups" in measures else -1,
-        trap=trap() if set(TRAPS) & set(measures) else None,
-        count=next(row),
-    )
 
 
 class Layout:
@@ -183,7 +32,7 @@ class Layout:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = _agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept)
+        self.rows = agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept)
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),

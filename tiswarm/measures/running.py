@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import AGE, DONE, MEASURED, ON, Layout
+from tiswarm.dynamics.rows import AGE, DONE, MEASURED, ON
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.measures import formulas, traps
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED

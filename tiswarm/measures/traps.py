@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import AGE, Layout
+from tiswarm.dynamics.rows import AGE
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, place
 from tiswarm.simd.runtime import Func, Types

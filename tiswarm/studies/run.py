@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.dynamics.table import Structure
+from tiswarm.dynamics.specialisation import Structure
 from tiswarm.engine.run import simulate_many
 from tiswarm.engine.trials.batch import Progress
 from tiswarm.records.results import Results

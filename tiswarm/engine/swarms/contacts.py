@@ -6,7 +6,8 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics import contact
-from tiswarm.dynamics.table import CAPTURED, Layout
+from tiswarm.dynamics.rows import CAPTURED
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import transfer
 from tiswarm.engine.swarms.kernels import MOVED

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics import views
-from tiswarm.dynamics.table import Layout, Structure
+from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.table import Layout
 from tiswarm.engine.choice import reach_of
 from tiswarm.engine.swarms import initial, measured_agents, measured_pairs, transfer
 from tiswarm.engine.swarms.simulation import Swarm

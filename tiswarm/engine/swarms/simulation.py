@@ -6,7 +6,8 @@ from operator import index
 
 import numpy as np
 
-from tiswarm.dynamics.table import Layout, Structure
+from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.table import Layout
 from tiswarm.engine.choice import check, sweeps
 from tiswarm.engine.swarms import initial
 from tiswarm.engine.swarms.state import Crowds

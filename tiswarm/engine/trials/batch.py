@@ -4,7 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from tiswarm.dynamics.table import CLOCK_ROWS, INTEGER_ROWS, Layout, Structure
+from tiswarm.dynamics.rows import CLOCK_ROWS, INTEGER_ROWS
+from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.table import Layout
 from tiswarm.engine.choice import check_pairs
 from tiswarm.engine.finite import STRANGE, NotFiniteError
 from tiswarm.engine.trials import kernel

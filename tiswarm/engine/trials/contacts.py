@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics import contact
-from tiswarm.dynamics.table import (
+from tiswarm.dynamics.rows import (
     AGE,
     ALIVE_COUNT,
     ARRIVED_COUNT,
@@ -16,8 +16,8 @@ from tiswarm.dynamics.table import (
     FIRST_ARRIVAL,
     LAST_ARRIVAL,
     ON,
-    Layout,
 )
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, larger, minus, motion
 from tiswarm.simd.runtime import Func, Types

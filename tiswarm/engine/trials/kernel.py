@@ -5,7 +5,7 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics import spawn, views
-from tiswarm.dynamics.table import (
+from tiswarm.dynamics.rows import (
     AGE,
     ALIVE_COUNT,
     ARRIVED_COUNT,
@@ -19,9 +19,9 @@ from tiswarm.dynamics.table import (
     ON,
     TICK,
     TRIAL,
-    Layout,
-    Structure,
 )
+from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.table import Layout
 from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running

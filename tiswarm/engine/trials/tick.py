@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics import perception, steering
-from tiswarm.dynamics.table import AGE, TICK, TRIAL, Layout
+from tiswarm.dynamics.rows import AGE, TICK, TRIAL
+from tiswarm.dynamics.table import Layout
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import Together, anywhere
 from tiswarm.simd.runtime import Func, Types

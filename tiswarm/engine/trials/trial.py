@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.dynamics.table import AGE, DONE
+from tiswarm.dynamics.rows import AGE, DONE
 from tiswarm.engine import finite
 from tiswarm.engine.trials.batch import Blocks
 from tiswarm.records.recording import FATES, Recording

@@ -1,0 +1,45 @@
+"""Rows: where the numbers of an agent and of a block lie in the arrays of a batch."""
+
+from types import SimpleNamespace
+
+from tiswarm.scenario.measures import TRAPS
+
+# Values of an agent's fate, in the order of recording.FATES.
+STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
+# Rows of a block's clock: is the lane in use, has its trial ended, ticks run, states measured, and what is counted.
+(
+    ON, DONE, AGE, MEASURED, ALIVE_COUNT, ARRIVED_COUNT, CAPTURED_COUNT, CRASHED_COUNT, FIRST_ARRIVAL, LAST_ARRIVAL, CLOCK_ROWS
+) = range(11)  # fmt: skip
+# Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
+TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
+
+
+def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool) -> SimpleNamespace:
+    """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
+    row = iter(range(100))
+
+    def vector() -> list[int]:
+        return [next(row) for _ in range(dim)]
+
+    def trap() -> SimpleNamespace:
+        """See traps.py."""
+        vectors = {name: vector() for name in ("anchor", "last", "total")}
+        names = ("held", "path", "counted", "time", "spin", "most", "spin_sum", "most_sum")
+        return SimpleNamespace(**vectors, **{name: next(row) for name in names})
+
+    return SimpleNamespace(
+        place=vector(),
+        motion=vector(),
+        alive=next(row),
+        fate=next(row),
+        field=vector(),
+        seen=next(row),
+        hit=next(row),  # predators: touches prey; prey: has been inside an obstacle
+        next_place=vector(),
+        next_motion=vector(),
+        travel=vector() if swept else [],  # how far it came in the last tick, across a periodic edge, too
+        heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
+        label=next(row) if "groups" in measures else -1,
+        trap=trap() if set(TRAPS) & set(measures) else None,
+        count=next(row),
+    )
