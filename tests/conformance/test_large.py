@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.specialisation import Specialisation
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.trials.trial import Single
 from tiswarm.strategies import registry
@@ -52,8 +52,8 @@ def every_strategy(monkeypatch):
     every = [base.replaced({"prey.strategy": name}) for name in PREY]
     every += [base.replaced({"prey.avoidance": name, "predators.avoidance": name}) for name in AVOIDANCES]
     every += [base.replaced({"predators.strategy": name}) for name in HUNTERS]
-    joint = Structure.of(every, 1)
-    monkeypatch.setattr(Structure, "of", classmethod(lambda *_, **__: joint))
+    joint = Specialisation.of(every, 1)
+    monkeypatch.setattr(Specialisation, "of", classmethod(lambda *_, **__: joint))
     return base
 
 

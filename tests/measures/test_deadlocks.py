@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.dynamics.specialisation import Structure
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.measures import recorded
 from tiswarm.measures.deadlocks import deadlocks
 from tiswarm.records.recording import Recording, Swarm
@@ -179,7 +179,7 @@ class TestKernelAgainstRecording:
 def test_only_who_asks_has_the_rows_and_the_numbers(f32):
     plain = tiswarm.load("delft/avoidance-30", {"measures.names": ["speed"]})
     asks = plain.replaced({"measures.names": ["speed", "trapped"]})
-    without, having = (Layout(Structure.of([each], 0), runtime.types().lanes) for each in (plain, asks))
+    without, having = (ParameterTable(Specialisation.of([each], 0), runtime.types().lanes) for each in (plain, asks))
     assert without.agent_rows["prey"] < having.agent_rows["prey"]
     assert set(having.paths) - set(without.paths) == {"measures.window", "measures.within", "measures.path"}
     one, other = (tiswarm.simulate(each, 50) for each in (plain, asks))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.rows import ARRIVED, CRASHED
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, smaller, unit
 from tiswarm.simd.runtime import Func, Types
@@ -26,7 +26,7 @@ class ContactRules:
     rebound: Func
 
 
-def build(layout: Layout, types: Types, see: Views) -> ContactRules:
+def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
     """Build meet_obstacle and crash (kind -> func), touches, nearest, travel_of, die, arrive and rebound.
 
     Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`

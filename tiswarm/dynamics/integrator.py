@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.simd.lanes import cosine, dot, larger, place, safe, sine, smaller, unit
 from tiswarm.simd.runtime import Func
 from tiswarm.space import box, box_lanes
@@ -37,7 +37,7 @@ class Steps:
     predators: KindSteps
 
 
-def build(layout: Layout) -> Steps:
+def build(layout: ParameterTable) -> Steps:
     """Build wall_turn, and for each kind limited, drift, face, advance and commit, one agent each."""
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)

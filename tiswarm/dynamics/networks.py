@@ -9,7 +9,7 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics.specialisation import Part
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import larger, smaller
 from tiswarm.strategies import neural
@@ -65,7 +65,7 @@ def forward(shape: ti.template(), numbers: ti.template(), first, agents: ti.temp
             agents[row + j] = total if ti.static(layer == len(shape.layers) - 2) else tanh(total)
 
 
-def build(layout: Layout, see: Views, senses: Any) -> dict[Part, Any]:
+def build(layout: ParameterTable, see: Views, senses: Any) -> dict[Part, Any]:
     """Build a func for each networked part, which lets its network look and answer before anything steers an agent."""
     parts = [p for kind in ("prey", "predators") for p in layout.parts(kind, "strategy") if p.strategy.networked]
     return {p.part: _consult(p, len(layout.paths), see, senses) for p in parts}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, larger, motion, place
 from tiswarm.simd.runtime import Func, Types
@@ -17,7 +17,7 @@ from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import flock, see_mate
 
 
-def watching(layout: Layout) -> bool:
+def watching(layout: ParameterTable) -> bool:
     """Tell whether any prey strategy needs to know which predators are in sight."""
     return layout.structure.hunted and any(p.strategy.watches for p in layout.parts("prey", "strategy"))
 
@@ -40,7 +40,7 @@ class PerceptionTerms:
     see_hunter: Func  # add one predator to what a prey sees of them
 
 
-def build_terms(layout: Layout, types: Types, see: Views) -> PerceptionTerms:
+def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionTerms:
     """Build what both ways of visiting share: counted, flocked (kind -> func) and seen."""
     at = layout.at
     width = len(layout.paths)
@@ -118,7 +118,7 @@ class AllPairs(NeighbourSearch):
     swarm_of: Func  # give the means over the alive prey, zero when there are none
 
 
-def build(layout: Layout, types: Types, see: Views) -> AllPairs:
+def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
     """Build gather and flocked (kind -> func), heed, chase, blocked, look and swarm_of.
 
     here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its

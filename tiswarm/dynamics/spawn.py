@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.rows import STAYS, TRIAL
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import FAR
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import capped, dot, larger
@@ -35,7 +35,7 @@ class Starts:
     obstacles: Func
 
 
-def build(layout: Layout, types: Types) -> Starts:
+def build(layout: ParameterTable, types: Types) -> Starts:
     """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
     # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, integers = types.lanes, types.integer_lanes

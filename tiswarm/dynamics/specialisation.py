@@ -35,7 +35,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Frame:
+class WorldKind:
     """What all scenarios of one batch must have in common: the kind of world, and what is measured in it.
 
     unicycles, slow: which kinds of agents are driven so, and which have a least speed; cells: of the coverage grid, (0, 0)
@@ -60,7 +60,7 @@ class Frame:
     cells: tuple[int, int]
 
     @classmethod
-    def of(cls, scenario: Scenario) -> "Frame":
+    def of(cls, scenario: Scenario) -> "WorldKind":
         """Find the frame of a scenario."""
         world, agents = scenario.world, {"prey": scenario.prey, "predators": scenario.predators}
         cell = scenario.coverage.cell
@@ -85,27 +85,27 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Structure:
+class Specialisation:
     """What selects a kernel's code: two batches with equal structures share one kernel.
 
     hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
     """
 
-    frame: Frame
+    frame: WorldKind
     parts: tuple[Part, ...]
     hunted: bool
     terms: bool = False
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Structure":
+    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Specialisation":
         """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
 
         Errors: ScenarioError when their worlds are of different kinds.
         """
-        frames = {Frame.of(scenario) for scenario in scenarios}
+        frames = {WorldKind.of(scenario) for scenario in scenarios}
         if len(frames) > 1:
             one, other = list(frames)[:2]
-            name = next(field.name for field in fields(Frame) if getattr(one, field.name) != getattr(other, field.name))
+            name = next(field.name for field in fields(WorldKind) if getattr(one, field.name) != getattr(other, field.name))
             told = f"{getattr(one, name)} and {getattr(other, name)}"
             raise ScenarioError(f"batch: scenarios differ in {name} ({told}); run them one after the other")
         hunted = predator_count > 0

@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics import integrator, networks
 from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.perception import NeighbourSearch
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import minus, motion
@@ -28,7 +28,7 @@ class Steering:
     remembers: bool
 
 
-def build(layout: Layout, types: Types, see: Views, senses: NeighbourSearch, uniform) -> Steering:
+def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSearch, uniform) -> Steering:
     """Build prey, predators (one agent's move), begin, remember and steps, for the senses of either engine."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)

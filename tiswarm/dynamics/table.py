@@ -10,14 +10,14 @@ import taichi as ti
 
 from tiswarm.dynamics import network_columns, terms
 from tiswarm.dynamics.rows import agent_rows
-from tiswarm.dynamics.specialisation import Part, Structure
+from tiswarm.dynamics.specialisation import Part, Specialisation
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies import registry
 
 _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
 
 
-class Layout:
+class ParameterTable:
     """Where each number of a batch lies in its table, by structure.
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
@@ -27,7 +27,7 @@ class Layout:
     its own (own), and its structs.
     """
 
-    def __init__(self, structure: Structure, lanes: Any) -> None:
+    def __init__(self, structure: Specialisation, lanes: Any) -> None:
         self.structure = structure
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)

@@ -5,7 +5,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.simd.lanes import coordinates, minus, place
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box, box_lanes
@@ -53,7 +53,7 @@ class Views:
     obstacle_seen: Func  # an obstacle where I see it
 
 
-def build(layout: Layout, types: Types) -> Views:
+def build(layout: ParameterTable, types: Types) -> Views:
     """Build the structs and the funcs that fill them.
 
     The n-th agent of block b begins at row (b * count + n) * rows of its array: one index an agent, its numbers side by

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.rows import AGE, DONE, MEASURED, ON
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.measures import formulas, traps
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.scenario.measures import COVERED, TRAPS
-from tiswarm.simd.lanes import Together, anywhere, dot, larger, place, safe, smaller
+from tiswarm.simd.lanes import Bundle, anywhere, dot, larger, place, safe, smaller
 from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space import box, box_lanes
 
@@ -29,7 +29,7 @@ class Measures:
     count: int
 
 
-def build(layout: Layout, types: Types, see: Views) -> Measures:
+def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
     """Build `measure` and `spread_ground`, and tell how many rows of sums and cells of ground a block has, and measures.
 
     sums: [block * row]; ground: [block * cell], in how many states an agent's tool lay on a cell, -1 where there is no ground.
@@ -188,7 +188,7 @@ def build(layout: Layout, types: Types, see: Views) -> Measures:
                     if prey[a + rows.alive][lane] > 0.5:
                         x, y = prey[a + rows.place[0]][lane], prey[a + rows.place[1]][lane]
                         period = [numbers[n + column][lane] for column in ti.static(at.size if wraps else [])]
-                        here = Together(sums=sums, ground=ground, b=b, lane=lane, clean=s + CLEAN)
+                        here = Bundle(sums=sums, ground=ground, b=b, lane=lane, clean=s + CLEAN)
                         formulas.visit_cells(x, y, side, tool, across, down, period, visit, here)
 
     @ti.func

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.rows import AGE
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import dot, place
 from tiswarm.simd.runtime import Func, Types
@@ -19,7 +19,7 @@ class Watch:
     watch: Func
 
 
-def build(layout: Layout, types: Types, see: Views) -> Watch:
+def build(layout: ParameterTable, types: Types, see: Views) -> Watch:
     """Build `pursue`, for one agent, and `watch`, for all of a block's trials.
 
     Rows of an agent (layout.rows.trap): anchor, where its window began [m]; last, where it was [m]; total, the sum of its ways

@@ -14,7 +14,7 @@ TINY = 1e-12
 """Keeps quotients finite where two points coincide; far below any squared distance that matters [m²]."""
 
 
-class Together(SimpleNamespace):
+class Bundle(SimpleNamespace):
     """Values and arrays that funcs hand on together: made inside kernels, read there by name, never assigned to."""
 
     _data_oriented = True  # a kernel may give it a name

@@ -30,7 +30,7 @@ from tiswarm.space.cells import (
     STRIDE_Z,
     TABLE,
     TRIALS,
-    Plan,
+    CellGrid,
     Space,
     plan,
 )
@@ -186,7 +186,7 @@ class CellFuncs(Traversal, Sorts):
     place_of: Func
 
 
-def funcs(space: Space, cut: Plan, extra: int = 0) -> CellFuncs:
+def funcs(space: Space, cut: CellGrid, extra: int = 0) -> CellFuncs:
     """Give the kernels and funcs for a kind of grid, built once per runtime."""
     width = 4 * -(-(2 * space.dimensions + extra) // 4)
     kind = (space.dimensions, space.wraps, cut.mask >= 0, cut.narrow, width)

@@ -44,7 +44,7 @@ class Space:
 
 
 @dataclass(frozen=True)
-class Plan:
+class CellGrid:
     """How a space is cut into cells, per axis; the last of the `cells` of a trial holds those who are gone.
 
     narrow: periodic axes less than three cells long; they have one cell, and images are compared pair by pair.
@@ -60,7 +60,7 @@ class Plan:
     cells: int
 
 
-def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
+def plan(space: Space, reach: float, count: int, epsilon: float) -> CellGrid:
     """Cut a space into cells for a number of agents, each of which sees as far as `reach` [m].
 
     epsilon: relative spacing of the reals that positions are stored in; cells are wider by what rounding may shift.
@@ -84,7 +84,7 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
     narrow = [space.wraps and number < 2 * k + 1 for number, k in zip(counts, reaches, strict=True)]
     counts = [1 if thin else number for number, thin in zip(counts, narrow, strict=True)]
     reaches = [0 if number == 1 else k for number, k in zip(counts, reaches, strict=True)]
-    return Plan(
+    return CellGrid(
         per_metre=tuple(number / side for number, side in zip(counts, space.size, strict=True)),
         counts=tuple(counts),
         strides=tuple(prod(counts[:axis]) for axis in range(1, space.dimensions)),
@@ -96,14 +96,14 @@ def plan(space: Space, reach: float, count: int, epsilon: float) -> Plan:
     )
 
 
-def _everybody(space: Space) -> Plan:
+def _everybody(space: Space) -> CellGrid:
     """Plan one cell, so that everybody meets everybody."""
     ones = (1,) * space.dimensions
     narrow = (space.wraps,) * space.dimensions
-    return Plan((0.0,) * space.dimensions, ones, ones[1:], (0,) * space.dimensions, narrow, mask=-1, longest=2**30, cells=2)
+    return CellGrid((0.0,) * space.dimensions, ones, ones[1:], (0,) * space.dimensions, narrow, mask=-1, longest=2**30, cells=2)
 
 
-def _hashed(dimensions: int, wide: float, count: int) -> Plan:
+def _hashed(dimensions: int, wide: float, count: int) -> CellGrid:
     """Plan a table for a world without end: rows start at multiples of an irrational share of it."""
     size = 1 << max(6 if dimensions == 2 else 9, (2 * count - 1).bit_length())
     shares = [0.6180339887498949] if dimensions == 2 else [0.7548776662466927, 0.5698402909980532]
@@ -111,7 +111,7 @@ def _hashed(dimensions: int, wide: float, count: int) -> Plan:
     steps = range(-2, 3)
     rows = [(a, b) for a in steps for b in (steps if dimensions == 3 else (0,)) if (a, b) != (0, 0)]
     offsets = [(a * strides[0] + b * strides[-1]) % size for a, b in rows]
-    return Plan(
+    return CellGrid(
         per_metre=(2 / wide,) + (1 / wide,) * (dimensions - 1),
         counts=(size,) * dimensions,
         strides=tuple(strides),

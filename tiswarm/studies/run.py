@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.dynamics.specialisation import Structure
+from tiswarm.dynamics.specialisation import Specialisation
 from tiswarm.engine.run import simulate_many
 from tiswarm.engine.trials.batch import Progress
 from tiswarm.records.results import Results
@@ -123,7 +123,7 @@ def _run(
 
 def _unmixed(scenario: Scenario) -> tuple[Any, ...]:
     """Give what two scenarios must have in common to share a kernel: all of its structure but the strategies."""
-    structure = Structure.of([scenario], scenario.predators.count)
+    structure = Specialisation.of([scenario], scenario.predators.count)
     return tuple(getattr(structure, each.name) for each in fields(structure) if each.name != "parts")
 
 

@@ -7,13 +7,13 @@ import taichi as ti
 
 from tiswarm.dynamics import contact
 from tiswarm.dynamics.rows import CAPTURED
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import transfer
 from tiswarm.engine.swarms.kernels import MOVED
 from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
-from tiswarm.simd.lanes import Together, anywhere, larger, place
+from tiswarm.simd.lanes import Bundle, anywhere, larger, place
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
@@ -27,7 +27,7 @@ class ContactKernels:
     cull_predators: Func
 
 
-def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: Any) -> ContactKernels:
+def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, near: Any) -> ContactKernels:
     """Build the kernel `judge`, and `cull` (kind -> kernel), which takes the dead out of the cells.
 
     A crowd is as in near_cells.py, with `cold` and `count` (how many agents a trial starts with) beside.
@@ -78,7 +78,7 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
                 touched = [lanes(0.0)]
                 pull = [lanes(0.0) for _ in ti.static(range(dim))]
                 travel = rules.travel_of(scratch, a)
-                view = Together(touched=touched, pull=pull, me=me, travel=travel, numbers=numbers, target=target)
+                view = Bundle(touched=touched, pull=pull, me=me, travel=travel, numbers=numbers, target=target)
                 walk(view, place(me), crowds.obstacles, block * LANES // crowd.whole[SLOTS])
                 if ti.static(field):
                     for k in ti.static(range(dim)):
@@ -126,9 +126,7 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
                 found = [lanes(0.0)]
                 reach = numbers[at.prey.radius] + numbers[at.predators.radius]
                 travel = rules.travel_of(scratch, a)
-                view = Together(
-                    found=found, crowd=crowds.of(opponents), travel=travel, numbers=numbers, reach=reach, trial=trial
-                )
+                view = Bundle(found=found, crowd=crowds.of(opponents), travel=travel, numbers=numbers, reach=reach, trial=trial)
                 walk(view, place(me), crowds.of(opponents), trial)
                 hit = moved * scratch[a + rows.alive] * found[0]
                 for lane in ti.static(range(LANES)):
@@ -202,15 +200,15 @@ def build(layout: Layout, types: Types, see: Views, senses: CellSearch, near: An
         prey_count: ti.i32, predator_count: ti.i32,
     ):  # fmt: skip
         """Obstacles and the target kill, then pairs kill, then prey arrive: a parallel loop each."""
-        prey = Together(
+        prey = Bundle(
             agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, count=prey_count, marks=prey_marks,
         )  # fmt: skip
-        predators = Together(
+        predators = Bundle(
             agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold, count=predator_count,
             marks=predator_marks,
         )  # fmt: skip
-        obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
-        crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
+        obstacles = Bundle(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
+        crowds = Bundle(prey=prey, predators=predators, obstacles=obstacles)
         for index in range(LOOP):
             if index % TASK == 0:
                 moved = ti.cast(clock[MOVED], real)

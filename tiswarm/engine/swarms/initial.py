@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.dynamics import spawn
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
 from tiswarm.simd import launch, philox, runtime
@@ -18,7 +18,7 @@ States = dict[str, tuple[np.ndarray, np.ndarray]]
 An obstacle's velocity holds its radius first."""
 
 
-def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int) -> States:
+def drawn(scenario: Scenario, layout: ParameterTable, seed: int, first: int, trials: int) -> States:
     """Draw the starts of `trials` trials from number `first` on."""
     types, dim = runtime.types(), scenario.world.dim
     numbers = numbers_of(scenario, layout)
@@ -37,7 +37,7 @@ def drawn(scenario: Scenario, layout: Layout, seed: int, first: int, trials: int
     return states
 
 
-def numbers_of(scenario: Scenario, layout: Layout) -> np.ndarray:
+def numbers_of(scenario: Scenario, layout: ParameterTable) -> np.ndarray:
     """Give a scenario's numbers, the same in all lanes: [column, lane]."""
     row = layout.table([scenario])[0].astype(runtime.types().dtype)
     numbers = runtime.aligned((len(row), LANES), row.dtype)
@@ -57,12 +57,12 @@ def given(start: Start, trials: int) -> States:
     return {kind: (np.stack([place] * trials), np.stack([rate] * trials)) for kind, (place, rate) in pairs.items()}
 
 
-def _kernel(layout: Layout, kind: str) -> Any:
+def _kernel(layout: ParameterTable, kind: str) -> Any:
     """Give the kernel that draws agents of a kind, built once per runtime."""
     return runtime.kept(("draw", layout.structure, kind), lambda: _build(layout, runtime.types(), kind))
 
 
-def _build(layout: Layout, types: Types, kind: str) -> Any:
+def _build(layout: ParameterTable, types: Types, kind: str) -> Any:
     draw_one = getattr(spawn.build(layout, types), kind)
     flat, integers = types.lane_array(1), types.integer_lanes
     wide = 2 * len(layout.axes)

@@ -10,12 +10,12 @@ import taichi as ti
 
 from tiswarm.dynamics import steering
 from tiswarm.dynamics.integrator import drifted
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms import means, transfer
 from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.engine.swarms.transfer import LOOP, share_of
-from tiswarm.simd.lanes import Together
+from tiswarm.simd.lanes import Bundle
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, box_lanes
 from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
@@ -47,7 +47,7 @@ class TickKernels:
 
 
 def build(
-    layout: Layout,
+    layout: ParameterTable,
     types: Types,
     see: Views,
     senses: CellSearch,
@@ -87,7 +87,7 @@ def build(
         key_low, key_high = ti.cast(clock[KEY_LOW], ti.u32), ti.cast(clock[KEY_HIGH], ti.u32)
         own = integers(ti.cast(trial + clock[FIRST], ti.u32))
         tick = integers(ti.cast(clock[AGE], ti.u32))
-        return Together(key_low=key_low, key_high=key_high, trial=own, index=index, tick=tick)
+        return Bundle(key_low=key_low, key_high=key_high, trial=own, index=index, tick=tick)
 
     def moves(kind: str):
         ferry, save, alive_end = carried[kind], saved[kind], getattr(near, kind).alive_end
@@ -104,7 +104,7 @@ def build(
             end = end_of(crowd, alive_end, block)
             if end > block * LANES:
                 me, index = ferry.load(scratch, a, crowd, numbers, count, block, end)
-                here = Together(
+                here = Bundle(
                     prey=crowds.prey, predators=crowds.predators, obstacles=crowds.obstacles, numbers=numbers,
                     trial=trial, block=block, end=end, count=prey_count,
                 )  # fmt: skip
@@ -137,14 +137,14 @@ def build(
             for index in range(LOOP):
                 if index % TASK == 0:
                     chunk = index // TASK
-                    prey = Together(
+                    prey = Bundle(
                         agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, order=prey_order,
                     )  # fmt: skip
-                    predators = Together(
+                    predators = Bundle(
                         agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold,
                     )  # fmt: skip
-                    obstacles = Together(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
-                    crowds = Together(prey=prey, predators=predators, obstacles=obstacles)
+                    obstacles = Bundle(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
+                    crowds = Bundle(prey=prey, predators=predators, obstacles=obstacles)
                     crowd = ti.static(prey_whole if kind == "prey" else predator_whole)
                     count = ti.Vector([prey_count, predator_count])[column]
                     begin, end = share_of(chunk, crowd[SLOTS] * crowd[TRIALS] // LANES)
@@ -162,7 +162,7 @@ def build(
         clock: ti.template(), chunk, block,
     ):  # fmt: skip
         """Move a block of prey that meet nobody but each other, and have no cold rows to be found by their count."""
-        crowds = Together(prey=prey, predators=0, obstacles=0)
+        crowds = Bundle(prey=prey, predators=0, obstacles=0)
         move_prey_block(crowds, scratch, chunk * deep, numbers, means, block, 0, 0, clock, rows)
 
     @ti.kernel
@@ -172,7 +172,7 @@ def build(
     ):  # fmt: skip
         for index in range(LOOP):
             if index % TASK == 0:
-                prey = Together(agents=agents, whole=whole, reals=reals)
+                prey = Bundle(agents=agents, whole=whole, reals=reals)
                 begin, end = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                 for block in range(begin, end):
                     plain_block(prey, rows, scratch, numbers, means, clock, index // TASK, block)
@@ -185,7 +185,7 @@ def build(
         """Run many ticks on one thread."""
         ti.loop_config(serialize=True)
         for _ in range(ticks):
-            prey = Together(agents=agents, whole=whole, reals=reals)
+            prey = Bundle(agents=agents, whole=whole, reals=reals)
             for block in range(whole[SLOTS] * whole[TRIALS] // LANES):
                 plain_block(prey, rows, scratch, numbers, means, clock, 0, block)
             near.prey.arrange(agents, whole)
@@ -202,7 +202,7 @@ def build(
         ):  # fmt: skip
             for index in range(LOOP):
                 if index % TASK == 0:
-                    crowd = Together(agents=agents, whole=whole, cold=cold)
+                    crowd = Bundle(agents=agents, whole=whole, cold=cold)
                     a = index // TASK * deep
                     first, last = share_of(index // TASK, whole[SLOTS] * whole[TRIALS] // LANES)
                     for block in range(first, last):

@@ -5,7 +5,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import motion, place
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
@@ -27,7 +27,7 @@ class MeanKernels:
     rank: Func  # write which slot the agent of each number is in
 
 
-def build(layout: Layout, types: Types, see: Views, near: Any, number_in: Any) -> MeanKernels:
+def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in: Any) -> MeanKernels:
     """Build the kernels `average` and `rank`. number_in: the func that gives the number of the prey in a slot.
 
     Where sight wraps, places are those nearest to the first prey that is alive, as in `perception.swarm_of`.

@@ -10,11 +10,11 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas, traps
-from tiswarm.simd.lanes import Together
+from tiswarm.simd.lanes import Bundle
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.cell_list import CellFuncs
 from tiswarm.space.cells import HEAD, SLOTS, TRIALS
@@ -33,7 +33,7 @@ class Pieces:
     body_of: Func  # a block's agents
 
 
-def build_pieces(layout: Layout, types: Types, near: CellFuncs) -> Pieces:
+def build_pieces(layout: ParameterTable, types: Types, near: CellFuncs) -> Pieces:
     """Build the kernels.
 
     near: the funcs of the prey's grid. Kernels take its arrays, numbers, centres ([trial * dim], m) and sums: [piece * column].
@@ -67,7 +67,7 @@ def build_pieces(layout: Layout, types: Types, near: CellFuncs) -> Pieces:
                     piece = index // TASK
                     trial = piece // count
                     first = trial * blocks + piece % count * PIECE
-                    here = Together(agents=agents, whole=whole, reals=reals, numbers=numbers, centres=centres, trial=trial)
+                    here = Bundle(agents=agents, whole=whole, reals=reals, numbers=numbers, centres=centres, trial=trial)
                     own = [lanes(0.0) for _ in ti.static(range(columns))]
                     for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
                         end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
@@ -98,7 +98,7 @@ def build_pieces(layout: Layout, types: Types, near: CellFuncs) -> Pieces:
     return Pieces(motion=pieces(formulas.AHEAD + 2 * dim, add_motion), spin=pieces(3, add_spin), pieces=pieces, body_of=body_of)
 
 
-def build_sweep(layout: Layout, types: Types, near: CellFuncs):
+def build_sweep(layout: ParameterTable, types: Types, near: CellFuncs):
     """Build the kernel that counts visits of cells.
 
     ground: [trial * cell], in how many states a tool lay on it how often, -1 where there is none; clean: [trial], cells swept.
@@ -121,7 +121,7 @@ def build_sweep(layout: Layout, types: Types, near: CellFuncs):
         for slot in range(whole[SLOTS] * whole[TRIALS]):
             trial = slot // whole[SLOTS]
             if slot < near.alive_end(whole, trial):
-                here = Together(ground=ground, clean=clean, trial=trial)
+                here = Bundle(ground=ground, clean=clean, trial=trial)
                 side, tool = numbers[at.cell][0], numbers[at.tool][0]
                 period = [numbers[column][0] for column in ti.static(at.size if near.periodic else [])]
                 formulas.visit_cells(agents[slot][0], agents[slot][1], side, tool, across, down, period, visit, here)
@@ -129,7 +129,7 @@ def build_sweep(layout: Layout, types: Types, near: CellFuncs):
     return sweep
 
 
-def build_watch(layout: Layout, types: Types, see: Views, near: CellFuncs, body_of: Any):
+def build_watch(layout: ParameterTable, types: Types, see: Views, near: CellFuncs, body_of: Any):
     """Build the kernel that takes one state into all prey's windows. cold: [trial * agent * row], by number (trap_rows)."""
     lanes, real, rows = types.lanes, types.real, trap_rows(layout)
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -165,6 +165,6 @@ def build_watch(layout: Layout, types: Types, see: Views, near: CellFuncs, body_
     return watch
 
 
-def trap_rows(layout: Layout) -> list[int]:
+def trap_rows(layout: ParameterTable) -> list[int]:
     """List the rows of a prey that traps.py keeps between states."""
     return [row for each in vars(layout.rows.trap).values() for row in (each if isinstance(each, list) else [each])]

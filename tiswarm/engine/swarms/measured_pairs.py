@@ -10,10 +10,10 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas
-from tiswarm.simd.lanes import Together, anywhere, dot, place, smaller
+from tiswarm.simd.lanes import Bundle, anywhere, dot, place, smaller
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.box_lanes import displacement
 from tiswarm.space.cell_list import CellFuncs
@@ -28,7 +28,7 @@ NOBODY = 1e30
 NO_LABEL = 2**31 - 1
 
 
-def build_pairs(layout: Layout, types: Types, near: CellFuncs, pieces: Callable[..., Any]):
+def build_pairs(layout: ParameterTable, types: Types, near: CellFuncs, pieces: Callable[..., Any]):
     """Build the kernel that sums up distances to nearest neighbours, and energies of pairs beside those at perception.
 
     A column each. Both come from one walk through the cells; who has met nobody near enough looks for the nearest further on.
@@ -112,7 +112,7 @@ def build_pairs(layout: Layout, types: Types, near: CellFuncs, pieces: Callable[
         spacing2 = here.numbers[spacing] * here.numbers[spacing]
         least, energy = [lanes(NOBODY)], [lanes(0.0)]
         rim = formulas.pair_energy(reach2, reach2, spacing2)
-        view = Together(
+        view = Bundle(
             least=least, energy=energy, lane=lane, first=block * LANES, reach2=reach2, spacing2=spacing2, rim=rim,
         )  # fmt: skip
         p = [1.0 * each for each in ti.static(place(body))]
@@ -132,7 +132,7 @@ class Labels:
     shorten: Func  # give agents the label of those whose label they bear
 
 
-def build_groups(layout: Layout, types: Types, near: CellFuncs, body_of: Any) -> Labels:
+def build_groups(layout: ParameterTable, types: Types, near: CellFuncs, body_of: Any) -> Labels:
     """Build the kernels, launched in turns until nothing changes: then agents of a group bear its first slot as label.
 
     near: the funcs of the grid that is searched; labels: [slot], at first each its own.
@@ -174,7 +174,7 @@ def build_groups(layout: Layout, types: Types, near: CellFuncs, body_of: Any) ->
                         first = [labels[ti.min(block * LANES + lane, end - 1)] for lane in ti.static(range(LANES))]
                         own = [integers(first)]
                         reach2 = numbers[distance] * numbers[distance]
-                        view = Together(own=own, labels=labels, changed=changed, reach2=lanes(reach2))
+                        view = Bundle(own=own, labels=labels, changed=changed, reach2=lanes(reach2))
                         around(view, p, agents, whole, reals, trial, block, end)
                         for lane in ti.static(range(LANES)):
                             if block * LANES + lane < end and own[0][lane] < first[lane]:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics import views
-from tiswarm.dynamics.specialisation import Structure
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import reach_of
 from tiswarm.engine.swarms import initial, measured_agents, measured_pairs, transfer
 from tiswarm.engine.swarms.simulation import Swarm
@@ -38,7 +38,7 @@ class Measures:
         """Take the start."""
         scenario, types = swarm.scenario, runtime.types()
         self._swarm, self._scenario, self._names = swarm, scenario, set(scenario.measures.names)
-        self._layout = Layout(Structure.of([scenario], scenario.predators.count), types.lanes)
+        self._layout = ParameterTable(Specialisation.of([scenario], scenario.predators.count), types.lanes)
         self._numbers = initial.numbers_of(scenario, self._layout)
         self._search = _search_grid(scenario, swarm.grid) if "groups" in self._names else swarm.grid
         self._kernels = _kernels(self._layout, swarm.grid, self._search)
@@ -202,7 +202,7 @@ def _search_grid(scenario: Scenario, grid: Grid) -> Grid:
     return Grid(grid.space, scenario.measures.distance, grid.count, grid.trials)
 
 
-def _kernels(layout: Layout, grid: Grid, search: Grid) -> dict[str, Func]:
+def _kernels(layout: ParameterTable, grid: Grid, search: Grid) -> dict[str, Func]:
     """Give the kernels for what a structure measures, by name, built once per runtime."""
     key = (runtime.generation(), layout.structure, id(grid.funcs), id(search.funcs))
     if key not in _built:

@@ -11,9 +11,9 @@ import taichi as ti
 
 from tiswarm.dynamics import perception
 from tiswarm.dynamics.perception import NeighbourSearch
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import Together, coordinates, place, rates
+from tiswarm.simd.lanes import Bundle, coordinates, place, rates
 from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space.cells import HEAD, REACH_X, SLOTS, TRIALS
 from tiswarm.strategies.flocking import see_mate
@@ -44,7 +44,7 @@ class CellSearch(NeighbourSearch):
     mate_of: dict[str, Func]
 
 
-def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
+def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSearch:
     """Build gather, flocked, me_of and mate_of (kind -> func), heed, chase, blocked, look and obstacle_of.
 
     away_in: kind -> func that gives the way from its agent in a slot; crosses: kind, func -> walk through that crowd.
@@ -189,7 +189,7 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
             """Add all mates in reach to what agents see of their swarm, themselves included."""
             perception2, spacing2 = own.reaches(here.numbers, 0, me)
             crowd = here.of(kind)
-            view = Together(
+            view = Bundle(
                 mates=mates, me=me, numbers=here.numbers, whole=crowd.whole, perception2=perception2, spacing2=spacing2
             )
             p = ti.static(coordinates(me))
@@ -250,11 +250,11 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
                 second = leader(here, 1)
             one = known["prey"].seen(me, first, see.sight(me, first, here.numbers, 0))
             two = known["prey"].seen(me, second, see.sight(me, second, here.numbers, 0))
-            view = Together(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two)
+            view = Bundle(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two)
             p = ti.static(coordinates(me))
             observed(view, p, here.prey.agents, here.prey.whole, here.prey.reals, here.trial, here.block, here.end)
         if ti.static(heeds):
-            sight = Together(notes=notes, threat=threat, me=me, numbers=here.numbers, whole=here.predators.whole)
+            sight = Bundle(notes=notes, threat=threat, me=me, numbers=here.numbers, whole=here.predators.whole)
             heeded(sight, place(me), here.predators, here.trial)
 
     @ti.func
@@ -303,7 +303,7 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
     def blocked(p: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights: ti.template()):
         """Count the obstacles that block the course."""
         found = [lanes(0.0)]
-        view = Together(found=found, me=me, course=course, weights=weights)
+        view = Bundle(found=found, me=me, course=course, weights=weights)
         ti.static([avoiding["blocks", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
         return found[0]
 
@@ -317,7 +317,7 @@ def build(layout: Layout, types: Types, see: Views, near: Any) -> CellSearch:
         weights: ti.template(),
     ):
         """Let an avoidance note what the obstacles tell about the course."""
-        view = Together(notes=notes, me=me, course=course, weights=weights)
+        view = Bundle(notes=notes, me=me, course=course, weights=weights)
         ti.static([avoiding["look", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
 
     return CellSearch(

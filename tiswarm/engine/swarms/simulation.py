@@ -6,11 +6,11 @@ from operator import index
 
 import numpy as np
 
-from tiswarm.dynamics.specialisation import Structure
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import check, sweeps
 from tiswarm.engine.swarms import initial
-from tiswarm.engine.swarms.state import Crowds
+from tiswarm.engine.swarms.state import SwarmState
 from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.records.recording import Swarm as Moment
@@ -24,12 +24,12 @@ MOST_TRIALS = 2**31 - 1
 Paths = tuple[np.ndarray, np.ndarray]
 
 
-class Swarm(Crowds):
+class Swarm(SwarmState):
     """Trials of a scenario with any number of agents, tick by tick; positions are read when they are asked for.
 
     A single trial can be filmed while it runs (`render.film(Swarm(scenario), path)`).
 
-    trial: number of the first trial. All else is as in `Crowds`.
+    trial: number of the first trial. All else is as in `SwarmState`.
     """
 
     def __init__(
@@ -66,10 +66,10 @@ class Swarm(Crowds):
             scenario = start.applied(scenario)
         check(scenario)
         unmeasured = scenario.replaced({"measures.names": [], "coverage.cell": 0})  # measures.py has kernels of its own
-        structure = Structure.of([unmeasured], scenario.predators.count, terms=terms)
+        structure = Specialisation.of([unmeasured], scenario.predators.count, terms=terms)
         if not sweeps(scenario):  # nobody asks then how far agents came, and nothing need be kept
             structure = replace(structure, frame=replace(structure.frame, swept=False))
-        layout = Layout(structure, runtime.types().lanes)
+        layout = ParameterTable(structure, runtime.types().lanes)
         if isinstance(start, Start):
             states = initial.given(start, trials)
         else:

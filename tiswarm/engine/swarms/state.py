@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tiswarm.dynamics import spawn, views
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
 from tiswarm.engine.swarms import contacts, initial, kernels, means, near_cells, transfer
@@ -27,7 +27,7 @@ ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
 
 
 @dataclass
-class Crowd:
+class Population:
     """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see transfer.py."""
 
     grid: Grid
@@ -44,7 +44,7 @@ class Crowd:
         return self.cold[..., self.kept.index(row)]
 
 
-class Crowds:
+class SwarmState:
     """Trials of a scenario with any number of agents, tick by tick.
 
     age: moves made so far. ticks: how many it may make. counts: [trial, (alive, arrived, captured, crashed)] of the prey.
@@ -52,7 +52,7 @@ class Crowds:
     where that has not happened yet.
     """
 
-    def __init__(self, scenario: Scenario, layout: Layout, seed: int, trial: int, states: initial.States) -> None:
+    def __init__(self, scenario: Scenario, layout: ParameterTable, seed: int, trial: int, states: initial.States) -> None:
         """Put everybody into grids. trial: number of the first trial. Errors: ValueError for numbers that are not finite."""
         types, trials = runtime.types(), states["prey"][0].shape[0]
         self.scenario, self.seed, self.trial = scenario, seed, trial
@@ -64,7 +64,7 @@ class Crowds:
             grid = self._grid(kind, position, velocity)
             kept = transfer.kept_rows(layout, kind, mortal=self.mortal) if kind != "obstacles" else []
             cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
-            self._crowds[kind] = Crowd(grid, cold, kept)
+            self._crowds[kind] = Population(grid, cold, kept)
         self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
         self._kernels = self._built()
         self._numbers = initial.numbers_of(scenario, layout)
@@ -129,7 +129,7 @@ class Crowds:
             self._begin()
         self._judge(min(self.age, 1))
 
-    def _regrid(self, kind: str, crowd: Crowd) -> None:
+    def _regrid(self, kind: str, crowd: Population) -> None:
         dim = self.scenario.world.dim
         state = crowd.grid.gathered(slice(0, None))
         crowd.grid = self._grid(kind, state[..., :dim], state[..., dim : 2 * dim])
@@ -245,7 +245,7 @@ class Crowds:
             self._seen[:] = (prey.row(rows.seen) * prey.row(rows.alive)).sum(axis=1)
         self._revise("remember", prey)
 
-    def _revise(self, name: str, crowd: Crowd) -> None:
+    def _revise(self, name: str, crowd: Population) -> None:
         arrays = (crowd.grid.agents, crowd.grid.whole, crowd.cold.ravel())
         self._launch(name, *arrays, *self._tools, self._seen, crowd.grid.count)
 
@@ -316,14 +316,14 @@ class SwarmKernels:
     contacts: contacts.ContactKernels | None
 
 
-def _kernels(layout: Layout, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
+def _kernels(layout: ParameterTable, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
     key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
     return runtime.kept(key, lambda: _build(layout, near, mortal))
 
 
-def _build(layout: Layout, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
+def _build(layout: ParameterTable, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
     types = runtime.types()
     see = views.build(layout, types)
     senses = near_cells.build(layout, types, see, near)

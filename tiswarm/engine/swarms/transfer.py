@@ -8,7 +8,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms.near_cells import CellSearch
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
@@ -18,7 +18,7 @@ CHUNKS = 32
 """Blocks of a swarm are dealt to threads in so many shares, each with scratch rows of its own."""
 
 
-def kept_rows(layout: Layout, kind: str, *, mortal: bool) -> list[int]:
+def kept_rows(layout: ParameterTable, kind: str, *, mortal: bool) -> list[int]:
     """List the rows of an agent that a large swarm keeps from tick to tick beside place and motion: columns of the cold rows.
 
     mortal: whether agents can die, arrive or be seen by opponents at all.
@@ -32,7 +32,7 @@ def kept_rows(layout: Layout, kind: str, *, mortal: bool) -> list[int]:
     return kept + list(range(rows.count, layout.agent_rows[kind]))
 
 
-def scratch_rows(layout: Layout) -> int:
+def scratch_rows(layout: ParameterTable) -> int:
     """Count the scratch rows of a chunk: enough for either kind, so that chunks at work on different kinds never meet."""
     return max(layout.agent_rows.values())
 
@@ -50,7 +50,7 @@ class Transfer:
     number_in: Func  # give the number of the agent in a slot, from 0 within its trial
 
 
-def build(layout: Layout, types: Types, see: Views, senses: CellSearch, kind: str, mortal: bool):
+def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, kind: str, mortal: bool):
     """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind."""
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from tiswarm.dynamics.rows import CLOCK_ROWS, INTEGER_ROWS
-from tiswarm.dynamics.specialisation import Structure
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import check_pairs
 from tiswarm.engine.finite import STRANGE, NotFiniteError
 from tiswarm.engine.trials import kernel
@@ -51,7 +51,7 @@ class Blocks:
             max(scenario.obstacles.count for scenario in scenarios),
         )
         check_pairs(max(self.counts))
-        self.kernel, self.layout, (sums, cells) = kernel.kernel(Structure.of(scenarios, self.counts[1], terms=terms))
+        self.kernel, self.layout, (sums, cells) = kernel.kernel(Specialisation.of(scenarios, self.counts[1], terms=terms))
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype
@@ -233,7 +233,7 @@ def check_weights(scenario: Scenario, weights: Mapping[str, np.ndarray], count: 
 
 def differing(scenario: Scenario) -> set[str]:
     """List the numbers that may differ from trial to trial: what a kernel reads from its table, the structure kept."""
-    own = Layout(Structure.of([scenario], 1), runtime.types().lanes).paths
+    own = ParameterTable(Specialisation.of([scenario], 1), runtime.types().lanes).paths
     weights = {path for path in scenario.numbers() if ".weights." in path}
     return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
 

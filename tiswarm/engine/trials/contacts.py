@@ -17,7 +17,7 @@ from tiswarm.dynamics.rows import (
     LAST_ARRIVAL,
     ON,
 )
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import anywhere, larger, minus, motion
 from tiswarm.simd.runtime import Func, Types
@@ -31,7 +31,7 @@ class Contacts:
     bounce: Func  # let prey that touch and approach each other bounce, pair by pair in a fixed order
 
 
-def build(layout: Layout, types: Types, see: Views) -> Contacts:
+def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
     """Build `judge`, and `bounce` for prey that collide without harm."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)

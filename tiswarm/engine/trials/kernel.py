@@ -20,8 +20,8 @@ from tiswarm.dynamics.rows import (
     TICK,
     TRIAL,
 )
-from tiswarm.dynamics.specialisation import Structure
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
@@ -40,13 +40,13 @@ OUTCOMES = {
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
 
-def kernel(structure: Structure) -> tuple[Any, Layout, tuple[int, int]]:
+def kernel(structure: Specialisation) -> tuple[Any, ParameterTable, tuple[int, int]]:
     """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
     return runtime.kept(("trials", structure), lambda: _build(structure, runtime.types()))
 
 
-def _build(structure: Structure, types: Types) -> tuple[Any, Layout, tuple[int, int]]:
-    layout = Layout(structure, types.lanes)
+def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable, tuple[int, int]]:
+    layout = ParameterTable(structure, types.lanes)
     see = views.build(layout, types)
     starts = spawn.build(layout, types)
     meetings = contacts.build(layout, types, see)

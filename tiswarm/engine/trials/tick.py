@@ -6,9 +6,9 @@ import taichi as ti
 
 from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
-from tiswarm.dynamics.table import Layout
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import Together, anywhere
+from tiswarm.simd.lanes import Bundle, anywhere
 from tiswarm.simd.runtime import Func, Types
 
 
@@ -20,7 +20,7 @@ class Moves:
     move_predators: Func  # move all predators (steering.py)
 
 
-def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
+def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> Moves:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes, integers = types.lanes, types.integer_lanes
     at, rows = layout.at, layout.rows
@@ -35,7 +35,7 @@ def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
     @ti.func
     def draw_of(integer: ti.template(), b, i, key_low, key_high):
         index = integers(ti.cast(i, ti.u32))
-        return Together(key_low=key_low, key_high=key_high, trial=integer[b, TRIAL], index=index, tick=integer[b, TICK])
+        return Bundle(key_low=key_low, key_high=key_high, trial=integer[b, TRIAL], index=index, tick=integer[b, TICK])
 
     @ti.func
     def begin(prey: ti.template(), numbers: ti.template(), b, count, fresh):
@@ -84,7 +84,7 @@ def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
         for i in range(counts[0]):
             a = (b * counts[0] + i) * prey_rows
             me = prey_at(prey, a, i, limits)
-            here = Together(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
             draw = draw_of(integer, b, i, key_low, key_high)
             driven.prey(here, draw, prey, a, me, numbers, b, swarm, target)
         for i in range(counts[0]):
@@ -123,7 +123,7 @@ def build(layout: Layout, types: Types, see: Views, uniform, bounce) -> Moves:
         for i in range(counts[1]):
             a = (b * counts[1] + i) * predator_rows
             me = predator_at(predators, a, i, limits)
-            here = Together(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
             draw = draw_of(integer, b, i, key_low, key_high)
             driven.predators(here, draw, predators, a, me, numbers, b, quarry, target)
         for i in range(counts[1]):

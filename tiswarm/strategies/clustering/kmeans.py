@@ -47,7 +47,7 @@ def board_rows(dim: int) -> SimpleNamespace:
 def build(layout, types: Types, uniform):
     """Build `find` and `place_of`, which work on rows of a board that begin at row r, for the n prey that begin at row a.
 
-    layout: the rows of prey and of a block's whole numbers (`layout.Layout`).
+    layout: the rows of prey and of a block's whole numbers (`dynamics.table.ParameterTable`).
     """
     # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, real = types.lanes, types.real
