@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from tiswarm.space import box
+
 
 def names(layout: Any, kind: str) -> list[str]:
     """List the terms that moves can have, in the order in which they change the velocity. layout: a `Layout`."""
@@ -13,7 +15,7 @@ def names(layout: Any, kind: str) -> list[str]:
         *(("separation", "cohesion", "alignment") if layout.flocks(kind) else ()),
         *(("goal",) if prey and frame.targeted else ()),
         *(("field",) if layout.parts(kind, "avoidance", "field") else ()),
-        *(("walls",) if frame.boundary == "walls" else ()),
+        *(("walls",) if box.walled(frame.boundary) else ()),
         *(steering if prey else ("pursuit",)),
         *(("turn",) if layout.parts(kind, "avoidance", "blocks") else ()),
         "cap",
