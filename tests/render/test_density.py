@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import render.scene.scene
 from render.composition import Composition
 from render.raster import shapes
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
+from render.scene import scene
 from render.scene.density import _counted
 from render.style import Look
 from tiswarm.records.recording import Recording
@@ -20,7 +20,7 @@ SIZE = (320, 180)
 @pytest.fixture
 def crowded(monkeypatch):
     """Let a hundred be a crowd."""
-    monkeypatch.setattr(render.scene, "CROWDED", 100)
+    monkeypatch.setattr(scene, "CROWDED", 100)
 
 
 def flock(make, middle, dim=2, boundary="periodic", **how) -> Recording:

@@ -138,7 +138,7 @@ def test_frames_do_not_depend_on_the_number_of_threads(tmp_path):
     program = (
         "import sys, hashlib, numpy as np, tiswarm\n"
         "tiswarm.init(threads=int(sys.argv[1]))\n"
-        "from render import shapes\n"
+        "from render.raster import shapes\n"
         "from render.raster.canvas import Canvas\n"
         "from render.raster.glyphs import Atlas\n"
         "atlas = Atlas()\n"

@@ -28,7 +28,8 @@ def _kernel(dim):
         return _kernels[key]
     types = runtime.types()
     rows = SimpleNamespace(place=list(range(dim)), alive=dim)
-    layout = SimpleNamespace(axes=range(dim), rows=rows, agent_rows={"prey": dim + 1})
+    open_world = SimpleNamespace(frame=SimpleNamespace(wrap_sight=False))
+    layout = SimpleNamespace(axes=range(dim), rows=rows, structure=open_world, agent_rows={"prey": dim + 1})
     cluster = kmeans.build(layout, types, philox.build(types).uniform)
     flat, words = types.lane_array(1), ti.types.ndarray(dtype=types.integer_lanes, ndim=1)
 

@@ -40,7 +40,8 @@ def _kernel(generation, draws):
     lanes = types.lanes
     dim, n = 2, max(len(points) for points, _ in SETS.values())
     rows = SimpleNamespace(place=[0, 1], alive=2)
-    layout = SimpleNamespace(axes=range(dim), rows=rows, agent_rows={"prey": 3})
+    open_world = SimpleNamespace(frame=SimpleNamespace(wrap_sight=False))
+    layout = SimpleNamespace(axes=range(dim), rows=rows, structure=open_world, agent_rows={"prey": 3})
     at = kmeans.board_rows(dim)
     uniform = philox.build(types).uniform
     cluster = kmeans.build(layout, types, uniform)
