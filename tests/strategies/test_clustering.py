@@ -30,7 +30,7 @@ def _kernel(dim):
     rows = SimpleNamespace(place=list(range(dim)), alive=dim)
     open_world = SimpleNamespace(frame=SimpleNamespace(wrap_sight=False))
     layout = SimpleNamespace(axes=range(dim), rows=rows, structure=open_world, agent_rows={"prey": dim + 1})
-    cluster = kmeans.build(layout, types, philox.build(types).uniform)
+    cluster = kmeans.build(layout, types, philox.build(types).uniform).find
     flat, words = types.lane_array(1), ti.types.ndarray(dtype=types.integer_lanes, ndim=1)
 
     @ti.kernel
@@ -40,7 +40,9 @@ def _kernel(dim):
                 b = index // TASK
                 zero = trial[b] & ti.u32(0)
                 a = b * n * (dim + 1)
-                cluster(board, b * height, n, prey, a, weights[2 * b], weights[2 * b + 1], trial[b], zero, ti.u32(5), ti.u32(0))
+                size = [types.lanes(0.0) for _ in ti.static(range(dim))]  # of a periodic world, which this is not
+                most, restarts = weights[2 * b], weights[2 * b + 1]
+                cluster(board, b * height, n, prey, a, size, most, restarts, trial[b], zero, ti.u32(5), ti.u32(0))
 
     _kernels[key] = run
     return run

@@ -44,7 +44,7 @@ def _kernel(generation, draws):
     layout = SimpleNamespace(axes=range(dim), rows=rows, structure=open_world, agent_rows={"prey": 3})
     at = kmeans.board_rows(dim)
     uniform = philox.build(types).uniform
-    cluster = kmeans.build(layout, types, uniform)
+    cluster = kmeans.build(layout, types, uniform).find
     fit = lloyd.build(types, dim, kmeans.MOST, at, uniform)
     flat, words = types.lane_array(1), ti.types.ndarray(dtype=types.integer_lanes, ndim=1)
 
@@ -52,7 +52,8 @@ def _kernel(generation, draws):
     def run(board: flat, prey: flat, words: words, drawn: flat, wanted: ti.i32):
         for index in range(TASK):
             if index % TASK == 0:
-                cluster(board, 0, n, prey, 0, lanes(5.0), lanes(64.0), words[0], words[1], ti.u32(5), ti.u32(0))
+                size = [lanes(0.0) for _ in ti.static(range(dim))]  # of a periodic world, which this is not
+                cluster(board, 0, n, prey, 0, size, lanes(5.0), lanes(64.0), words[0], words[1], ti.u32(5), ti.u32(0))
                 for number in range(draws):
                     place = lanes(ti.cast(wanted, types.real))
                     clusters = board[at.count]
