@@ -4,6 +4,7 @@ The funcs are those of perception.py. Here a crowd is a namespace of a grid's ar
 maps numbers to slots where a strategy needs it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,24 +14,12 @@ from tiswarm.dynamics import perception
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import Bundle, coordinates, place, rates
-from tiswarm.simd.runtime import LANES, Func, Types
-from tiswarm.space.cells import HEAD, REACH_X, SLOTS, TRIALS
+from tiswarm.engine.swarms import crossing, slots
+from tiswarm.engine.swarms.crossing import FAR
+from tiswarm.engine.swarms.slots import Slots
+from tiswarm.simd.lanes import Bundle, coordinates, place
+from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import see_mate
-
-FAR = 1e15
-"""Where lanes wait that do not visit: out of everyone's reach [m]."""
-
-
-@dataclass(frozen=True)
-class Known:
-    """How agents of one kind are read."""
-
-    me_of: Func  # give the agents of a block from their scratch rows. number: lanes, counted from 1
-    mate_of: Func  # give the agent in a slot
-    other_than: Func  # give a mate, where I see it, who is not there in the lane that it is itself
-    seen: Func  # give an agent where I see it
-    missing: Func
 
 
 @dataclass(frozen=True)
@@ -44,6 +33,35 @@ class CellSearch(NeighbourSearch):
     mate_of: dict[str, Func]
 
 
+@dataclass(frozen=True)
+class _Sight:
+    """What every loop of this file is built of. near: prey, predators, obstacles -> the funcs of their grids."""
+
+    layout: ParameterTable
+    types: Types
+    see: Views
+    near: Any
+    slots: dict[str, Slots]
+
+    @property
+    def axes(self) -> range:
+        return range(len(self.layout.axes))
+
+    def away_in(self, kind: str) -> Func:
+        """Give the func for the way from the agent of a kind in a slot."""
+        across, axes = getattr(self.near, kind).across, self.axes
+
+        @ti.func
+        def away_from(here: ti.template(), agents: ti.template(), j, reals: ti.template()):
+            return [across(here[k] - agents[j][k], k, reals) for k in ti.static(axes)]
+
+        return away_from
+
+    def crosses(self, kind: str, meet: Callable[..., Any]) -> Func:
+        """Build a walk of a block of any crowd through the agents of a kind; `meet` as for a grid's own walks."""
+        return crossing.build(getattr(self.near, kind), self.types, len(self.axes), meet)
+
+
 def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSearch:
     """Build gather, flocked, me_of and mate_of (kind -> func), heed, chase, blocked, look and obstacle_of.
 
@@ -53,209 +71,132 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     here: prey, predators, obstacles (crowds), numbers; trial; block and end of the agents who look, in slots of their crowd;
     count: how many prey a trial starts with.
     """
-    lanes, real = types.lanes, types.real
-    dim = len(layout.axes)
+    kinds = ("prey", "predators")
     terms = perception.build_terms(layout, types, see)
-    hunted, watched = layout.structure.hunted, perception.watching(layout)
-    observers = [p for p in layout.parts("prey", "strategy") if "observe" in p.own]
-    led = any(p.strategy.leads for p in observers)
-    bewaring = [p for p in layout.parts("prey", "strategy") if "beware" in p.own]
-    Obstacle = ti.types.struct(**dict.fromkeys(see.Obstacle.members, real))  # noqa: N806 - a type
+    sight = _Sight(layout, types, see, near, {kind: slots.build(layout, types, see, kind) for kind in kinds})
+    obstacle_of = _obstacles(sight)
+    blocked, look = _avoiding(sight, obstacle_of)
+    return CellSearch(
+        gather={kind: _gathering(sight, getattr(terms, kind), kind) for kind in kinds},
+        flocked={kind: getattr(terms, kind).flocked for kind in kinds},
+        heed=_heeding(sight, terms),
+        chase=_chasing(sight),
+        blocked=blocked,
+        look=look,
+        crosses=sight.crosses,
+        away_in=sight.away_in,
+        obstacle_of=obstacle_of,
+        me_of={kind: sight.slots[kind].me_of for kind in kinds},
+        mate_of={kind: sight.slots[kind].mate_of for kind in kinds},
+    )
 
-    def knows(kind: str):
-        shown = list(layout.shown(kind))
-        names = [*see.Mate[kind].members]
-        Me = ti.types.struct(**dict.fromkeys(see.Me[kind].members, lanes))  # noqa: N806
-        Mate = ti.types.struct(**dict.fromkeys(names, real))  # noqa: N806
-        placed = dict.fromkeys("xyz"[:dim], lanes) if layout.structure.frame.wrap_sight else {}  # in each lane where it is seen
-        Seen = ti.types.struct(**dict.fromkeys(names, real) | placed)  # noqa: N806
-        Other = ti.types.struct(**dict.fromkeys(names, real) | placed | {"alive": lanes})  # noqa: N806
-        rows = [*layout.rows.place, *layout.rows.motion, layout.rows.alive]
-        shown_rows = list(layout.shown(kind).values())
 
-        @ti.func
-        def me_of(scratch: ti.template(), a, limits: ti.template(), number):
-            """Give the agents of a block from their scratch rows. number: lanes, counted from 1."""
-            odd = number - 2.0 * ti.floor(0.5 * number)
-            return Me(
-                *[scratch[a + row] for row in ti.static(rows)],
-                *ti.static([getattr(limits, name) for name in limits.keys]),
-                *[scratch[a + row] for row in ti.static(shown_rows)],
-                number,
-                odd,
-            )
+def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
+    """Build what sums up the mates in reach. own: the terms of the kind."""
+    away_from, mate_of = sight.away_in(kind), sight.slots[kind].mate_of
 
-        @ti.func
-        def mate_of(agents: ti.template(), whole: ti.template(), j):
-            """Give the agent in a slot."""
-            number = whole[HEAD + whole[SLOTS] * whole[TRIALS] + j] + 1
-            state = [agents[j][k] for k in ti.static(range(2 * dim))]
-            told = [agents[j][2 * dim + k] for k in ti.static(range(len(shown)))]
-            return Mate(*state, 1.0, *told, ti.cast(number, real), ti.cast(number & 1, real))
+    @ti.func
+    def meet_mate(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
+        mate = mate_of(agents, view.whole, j)
+        away = away_from(here, agents, j, reals)
+        counts = own.counted(view.numbers, 0, view.me, mate)
+        see_mate(view.mates, mate, away, counts, view.perception2, view.spacing2)
 
-        @ti.func
-        def other_than(me: ti.template(), mate: ti.template(), away: ti.template()):
-            """Give a mate, where I see it, who is not there in the lane that it is itself."""
-            told = ti.static([getattr(mate, name) for name in names[2 * dim + 1 :]])
-            alive = ti.select(me.number == mate.number, 0.0, lanes(1.0))
-            return Other(*see.spot(me, mate, away), *ti.static(rates(mate)), alive, *told)
+    around = getattr(sight.near, kind).walks(meet_mate).around
 
-        @ti.func
-        def seen(me: ti.template(), mate: ti.template(), away: ti.template()):
-            """Give an agent where I see it."""
-            told = ti.static([getattr(mate, name) for name in names[dim:]])
-            return Seen(*see.spot(me, mate, away), *told)
+    @ti.func
+    def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
+        """Add all mates in reach to what agents see of their swarm, themselves included."""
+        perception2, spacing2 = own.reaches(here.numbers, 0, me)
+        crowd = here.of(kind)
+        view = Bundle(mates=mates, me=me, numbers=here.numbers, whole=crowd.whole, perception2=perception2, spacing2=spacing2)
+        p = ti.static(coordinates(me))
+        around(view, p, crowd.agents, crowd.whole, crowd.reals, here.trial, here.block, here.end)
 
-        @ti.func
-        def missing():
-            return Mate(*[real(0.0) for _ in ti.static(names)])
+    return gather
 
-        return Known(me_of=me_of, mate_of=mate_of, other_than=other_than, seen=seen, missing=missing)
 
-    known = {kind: knows(kind) for kind in ("prey", "predators")}
-
-    def away_in(kind: str):
-        across = getattr(near, kind).across
-
-        @ti.func
-        def away_from(here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            return [across(here[k] - agents[j][k], k, reals) for k in ti.static(range(dim))]
-
-        return away_from
-
-    def crosses(kind: str, meet):
-        """Build a walk of a block of any crowd through the agents of a kind; `meet` as for a grid's own walks."""
-        funcs = getattr(near, kind)
-        box = funcs.walks(meet).box
-        hashed = funcs.hashed
-        periodic = funcs.periodic
-
-        @ti.func
-        def cross(view: ti.template(), p: ti.template(), crowd: ti.template(), trial):
-            """Let lanes at p meet all within reach, together where they are close to each other, else one by one."""
-            whole = ti.static(crowd.whole)
-            first = funcs.cells_of([p[k][0] for k in ti.static(range(dim))], whole, crowd.reals)
-            low_x, low_y, low_z = first[0], first[1], first[2]
-            high_x, high_y, high_z = first[0], first[1], first[2]
-            for lane in ti.static(range(1, LANES)):
-                cells = funcs.cells_of([p[k][lane] for k in ti.static(range(dim))], whole, crowd.reals)
-                low_x, low_y, low_z = ti.min(low_x, cells[0]), ti.min(low_y, cells[1]), ti.min(low_z, cells[2])
-                high_x, high_y, high_z = ti.max(high_x, cells[0]), ti.max(high_y, cells[1]), ti.max(high_z, cells[2])
-            spread = ti.Vector([high_x - low_x, high_y - low_y, high_z - low_z])
-            close = 1
-            for k in ti.static(range(dim)):
-                reach = whole[REACH_X + k]
-                if spread[k] > 2 * reach + 2:
-                    close = 0
-                if ti.static(periodic):  # noqa: SIM102 - no cell may be visited twice
-                    if spread[k] + 2 * reach >= whole[ti.static(funcs.count_x) + k]:
-                        close = 0
-                if ti.static(hashed):  # noqa: SIM102 - nor any place in the table
-                    if (k > 0 and spread[k] > 0) or (k == 0 and not funcs.fits(whole, low_x, high_x)):
-                        close = 0
-            if spread[0] + spread[1] + spread[2] == 0:
-                close = 1
-            for part in range(ti.select(close == 1, 1, LANES)):
-                here = [1.0 * p[k] for k in ti.static(range(dim))]
-                if close == 0:
-                    lane = lanes([float(number) for number in ti.static(range(LANES))])
-                    here[0] = ti.select(lane == ti.cast(part, real), p[0], FAR)
-                    for lane_of in ti.static(range(LANES)):
-                        if lane_of == part:
-                            cells = funcs.cells_of([p[k][lane_of] for k in ti.static(range(dim))], whole, crowd.reals)
-                            low_x, low_y, low_z = cells[0], cells[1], cells[2]
-                            high_x, high_y, high_z = cells[0], cells[1], cells[2]
-                reach = ti.Vector([whole[REACH_X], whole[REACH_X + 1], whole[REACH_X + 2]])
-                low = ti.Vector([low_x - reach[0], low_y - reach[1], low_z - reach[2]])
-                high = ti.Vector([high_x + reach[0], high_y + reach[1], high_z + reach[2]])
-                box(view, here, crowd.agents, whole, crowd.reals, trial, low, high)
-
-        return cross
-
-    def gathers(kind: str):
-        own, away_from, mate_of = getattr(terms, kind), away_in(kind), known[kind].mate_of
-
-        @ti.func
-        def meet_mate(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            mate = mate_of(agents, view.whole, j)
-            away = away_from(here, agents, j, reals)
-            counts = own.counted(view.numbers, 0, view.me, mate)
-            see_mate(view.mates, mate, away, counts, view.perception2, view.spacing2)
-
-        around = getattr(near, kind).walks(meet_mate).around
-
-        @ti.func
-        def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
-            """Add all mates in reach to what agents see of their swarm, themselves included."""
-            perception2, spacing2 = own.reaches(here.numbers, 0, me)
-            crowd = here.of(kind)
-            view = Bundle(
-                mates=mates, me=me, numbers=here.numbers, whole=crowd.whole, perception2=perception2, spacing2=spacing2
-            )
-            p = ti.static(coordinates(me))
-            around(view, p, crowd.agents, crowd.whole, crowd.reals, here.trial, here.block, here.end)
-
-        return gather
-
-    from_prey, from_obstacle = away_in("prey"), away_in("obstacles")
+def _observing(sight: _Sight) -> Func:
+    """Build the walk that lets prey strategies collect what they need of their mates."""
+    layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
+    from_prey = sight.away_in("prey")
 
     @ti.func
     def meet_observed(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-        mate = known["prey"].mate_of(agents, view.whole, j)
+        mate = prey.mate_of(agents, view.whole, j)
         away = from_prey(here, agents, j, reals)
-        other = known["prey"].other_than(view.me, mate, away)
+        other = prey.other_than(view.me, mate, away)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("observe" in p.own):
                 weights = see.weights_of(p, view.numbers, 0)
                 p.strategy.observe(view.notes[k], view.me, other, away, view.first, view.second, weights)
 
-    observed = near.prey.walks(meet_observed).around
+    return sight.near.prey.walks(meet_observed).around
 
-    def hunter_walk():
-        from_predator = away_in("predators")
 
-        @ti.func
-        def meet_hunter(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            hunter = known["predators"].mate_of(agents, view.whole, j)
-            away = from_predator(here, agents, j, reals)
-            if ti.static(watched):
-                terms.see_hunter(view.threat, hunter, away, view.me.perception * view.me.perception)
-            for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
-                if ti.static("beware" in p.own):
-                    seen = known["predators"].seen(view.me, hunter, away)
-                    p.strategy.beware(view.notes[k], view.me, seen, away, see.weights_of(p, view.numbers, 0))
+def _watching(sight: _Sight, terms: Any, watched: bool) -> Func:
+    """Build the walk that lets prey, and their strategies, see the predators in sight."""
+    layout, see, predators = sight.layout, sight.see, sight.slots["predators"]
+    from_predator = sight.away_in("predators")
 
-        return crosses("predators", meet_hunter)
+    @ti.func
+    def meet_hunter(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
+        hunter = predators.mate_of(agents, view.whole, j)
+        away = from_predator(here, agents, j, reals)
+        if ti.static(watched):
+            terms.see_hunter(view.threat, hunter, away, view.me.perception * view.me.perception)
+        for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
+            if ti.static("beware" in p.own):
+                seen = predators.seen(view.me, hunter, away)
+                p.strategy.beware(view.notes[k], view.me, seen, away, see.weights_of(p, view.numbers, 0))
 
-    heeds = bool(hunted and (watched or bewaring))
-    heeded = hunter_walk() if heeds else None
+    return sight.crosses("predators", meet_hunter)
+
+
+def _heeding(sight: _Sight, terms: Any) -> Func:
+    """Build what lets prey see predators, and strategies of prey whom they look at."""
+    layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
+    strategies = layout.parts("prey", "strategy")
+    observers = [p for p in strategies if "observe" in p.own]
+    led = any(p.strategy.leads for p in observers)
+    watched = perception.watching(layout)
+    heeds = bool(layout.structure.hunted and (watched or any("beware" in p.own for p in strategies)))
+    observed = _observing(sight)
+    heeded = _watching(sight, terms, watched) if heeds else None
 
     @ti.func
     def leader(here: ti.template(), number: ti.template()):
         """Give the agent of a number, not alive once it is gone."""
-        found = known["prey"].missing()
+        found = prey.missing()
         slot = here.prey.order[here.trial * here.count + ti.min(number, here.count - 1)]
         if slot >= 0:
-            found = known["prey"].mate_of(here.prey.agents, here.prey.whole, slot)
+            found = prey.mate_of(here.prey.agents, here.prey.whole, slot)
         return found
 
     @ti.func
     def heed(notes: ti.template(), threat: ti.template(), here: ti.template(), me: ti.template()):
         """Let prey see the predators in sight, and their strategies collect what they need beyond flocking."""
         if ti.static(bool(observers)):
-            first = known["prey"].missing()
-            second = known["prey"].missing()
+            first = prey.missing()
+            second = prey.missing()
             if ti.static(led):
                 first = leader(here, 0)
                 second = leader(here, 1)
-            one = known["prey"].seen(me, first, see.sight(me, first, here.numbers, 0))
-            two = known["prey"].seen(me, second, see.sight(me, second, here.numbers, 0))
+            one = prey.seen(me, first, see.sight(me, first, here.numbers, 0))
+            two = prey.seen(me, second, see.sight(me, second, here.numbers, 0))
             view = Bundle(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two)
             p = ti.static(coordinates(me))
             observed(view, p, here.prey.agents, here.prey.whole, here.prey.reals, here.trial, here.block, here.end)
         if ti.static(heeds):
-            sight = Bundle(notes=notes, threat=threat, me=me, numbers=here.numbers, whole=here.predators.whole)
-            heeded(sight, place(me), here.predators, here.trial)
+            view = Bundle(notes=notes, threat=threat, me=me, numbers=here.numbers, whole=here.predators.whole)
+            heeded(view, place(me), here.predators, here.trial)
+
+    return heed
+
+
+def _chasing(sight: _Sight) -> Func:
+    """Build what lets a predator strategy look at single prey."""
+    see, prey = sight.see, sight.slots["prey"]
 
     @ti.func
     def chase(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), quarry: ti.template(), weights):
@@ -263,15 +204,30 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
         for number in range(here.count):
             slot = here.prey.order[here.trial * here.count + number]
             if slot >= 0:
-                each = known["prey"].mate_of(here.prey.agents, here.prey.whole, slot)
+                each = prey.mate_of(here.prey.agents, here.prey.whole, slot)
                 away = see.sight(me, each, here.numbers, 0)
-                p.strategy.observe(notes, me, known["prey"].seen(me, each, away), away, quarry, weights)
+                p.strategy.observe(notes, me, prey.seen(me, each, away), away, quarry, weights)
+
+    return chase
+
+
+def _obstacles(sight: _Sight) -> Func:
+    real, members = sight.types.real, len(sight.axes) + 1
+    Obstacle = ti.types.struct(**dict.fromkeys(sight.see.Obstacle.members, real))  # noqa: N806 - a type
 
     @ti.func
     def obstacle_of(agents: ti.template(), j):
-        return Obstacle(*[agents[j][k] for k in ti.static(range(dim + 1))])
+        return Obstacle(*[agents[j][k] for k in ti.static(range(members))])
 
-    def blocks_walk(p: Any):
+    return obstacle_of
+
+
+def _avoiding(sight: _Sight, obstacle_of: Func) -> tuple[Func, Func]:
+    """Build what counts the obstacles that block a course, and what lets an avoidance note more of them."""
+    layout, see, lanes = sight.layout, sight.see, sight.types.lanes
+    from_obstacle = sight.away_in("obstacles")
+
+    def blocks_walk(p: Any) -> Func:
         @ti.func
         def meet_blocking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             obstacle = obstacle_of(agents, j)
@@ -280,16 +236,16 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
             blocks = p.strategy.blocks(view.me, view.course, away, seen, view.weights)
             view.found[0] += ti.select(here[0] < 0.5 * FAR, blocks, 0.0)
 
-        return crosses("obstacles", meet_blocking)
+        return sight.crosses("obstacles", meet_blocking)
 
-    def look_walk(p: Any):
+    def look_walk(p: Any) -> Func:
         @ti.func
         def meet_looking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
             away = from_obstacle(here, agents, j, reals)
             seen = see.obstacle_seen(view.me, obstacle_of(agents, j), away)
             p.strategy.look(view.notes, view.me, view.course, away, seen, view.weights)
 
-        return crosses("obstacles", meet_looking)
+        return sight.crosses("obstacles", meet_looking)
 
     walks = {"blocks": blocks_walk, "look": look_walk}
     avoiding = {
@@ -320,16 +276,4 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
         view = Bundle(notes=notes, me=me, course=course, weights=weights)
         ti.static([avoiding["look", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
 
-    return CellSearch(
-        gather={kind: gathers(kind) for kind in ("prey", "predators")},
-        flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
-        heed=heed,
-        chase=chase,
-        blocked=blocked,
-        look=look,
-        crosses=crosses,
-        away_in=away_in,
-        obstacle_of=obstacle_of,
-        me_of={kind: known[kind].me_of for kind in known},
-        mate_of={kind: known[kind].mate_of for kind in known},
-    )
+    return blocked, look

@@ -1,47 +1,26 @@
 """State: prey, predators and obstacles of large swarms in grids of their own, and what happens to them in a tick."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from tiswarm.dynamics import spawn, views
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
-from tiswarm.engine.swarms import contacts, initial, kernels, means, near_cells, transfer
+from tiswarm.engine.swarms import compiled, initial, kernels, means, transfer
+from tiswarm.engine.swarms.compiled import SwarmKernels
+from tiswarm.engine.swarms.population import Population, space_of
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES
-from tiswarm.space import box
 from tiswarm.space.cell_list import Grid
-from tiswarm.space.cells import Space
 
 SMALL = 2_048
 """Up to so many agents one thread is done before a second one has woken."""
 
 ALIVE, ARRIVED, CAPTURED, CRASHED = range(4)
-
-
-@dataclass
-class Population:
-    """Agents of one kind: their grid, and cold rows by number: [trial, agent, column], see transfer.py."""
-
-    grid: Grid
-    cold: np.ndarray
-    kept: list[int]
-
-    @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """Give what kernels take of the grid."""
-        return self.grid.agents, self.grid.whole, self.grid.reals
-
-    def row(self, row: int) -> np.ndarray:
-        """Give a view of a row of the agents by number: [trial, agent]."""
-        return self.cold[..., self.kept.index(row)]
 
 
 class SwarmState:
@@ -102,8 +81,8 @@ class SwarmState:
         grid.place(position, velocity)
         return grid
 
-    def _built(self) -> "SwarmKernels":
-        return _kernels(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self.mortal)
+    def _built(self) -> SwarmKernels:
+        return compiled.of(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self.mortal)
 
     def _begin(self) -> None:
         """Give memories their first values, and headings to unicycles."""
@@ -299,34 +278,3 @@ class SwarmState:
         crowd = self._crowds[kind]
         self._launch(f"cull_{kind}", *crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
         crowd.grid.sort()
-
-
-def space_of(scenario: Scenario, kind: str) -> Space:
-    """Give the space of a kind's grid. In open worlds prey fly anywhere; of the few others, those outside are in edge cells."""
-    world = scenario.world
-    boundary = world.boundary
-    return Space(tuple(world.size), boundary if box.bounded(boundary) or kind == "prey" else "walls")
-
-
-@dataclass(frozen=True)
-class SwarmKernels:
-    """All that large swarms of one structure launch; contacts: None where nobody dies or arrives."""
-
-    tick: kernels.TickKernels
-    contacts: contacts.ContactKernels | None
-
-
-def _kernels(layout: ParameterTable, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
-    """Give the kernels for a structure and kinds of grids, built once per runtime."""
-    near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
-    key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
-    return runtime.kept(key, lambda: _build(layout, near, mortal))
-
-
-def _build(layout: ParameterTable, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
-    types = runtime.types()
-    see = views.build(layout, types)
-    senses = near_cells.build(layout, types, see, near)
-    uniform = spawn.build(layout, types).uniform
-    tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
-    return SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)
