@@ -12,29 +12,9 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.studies.design import MEASURES, cells, load_study
+from tiswarm.studies.design import cells, load_study
 from tiswarm.studies.export import write
-from tiswarm.studies.run import columns_of, run_study
-from tiswarm.studies.store import read_cell, read_manifest
-
-STUDY = """
-title = "Goals and numbers"
-base = "delft/avoidance-10"
-trials = 20
-figures = ["pairs"]
-set = { "world.ticks" = 120 }
-[[axes]]
-key = "prey.goal"
-low = 0.05
-high = 0.2
-steps = 4
-[[axes]]
-key = "prey.count"
-values = [2, 6]
-[correlate]
-x = "prey.goal"
-y = "time"
-"""
+from tiswarm.studies.run import run_study
 
 MIXED = """
 title = "Hunted or not"
@@ -52,23 +32,6 @@ title = "Predators"
 base = "delft/pronav-10"
 axes = [{ key = "prey.strategy", values = ["evasive", "split"] }, { key = "predators.strategy", values = ["centre", "pronav"] }]
 """
-
-
-@pytest.fixture
-def study(tmp_path):
-    (tmp_path / "s.toml").write_text(STUDY)
-    return tmp_path / "s.toml"
-
-
-def _bench(*arguments, cwd=None):
-    return subprocess.run(
-        [sys.executable, "-m", "tiswarm", "bench", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=120,
-        check=False,
-    )
 
 
 def test_each_cell_is_what_its_scenario_gives_on_its_own(study, f32):
@@ -96,7 +59,7 @@ def test_scenarios_that_cannot_share_a_kernel_run_apart_and_stand_in_their_order
 
 
 def test_independent_cells_have_seeds_of_their_own(study, f32):
-    study.write_text(STUDY.replace("trials = 20", "trials = 20\nindependent = true"))
+    study.write_text(study.read_text().replace("trials = 20", "trials = 20\nindependent = true"))
     found = cells(str(study), load_study(str(study)), seed=1)
     assert len({cell.seed for cell in found}) == 8
     report = run_study(str(study), seed=1, overrides={"prey.count": 3})
@@ -104,8 +67,8 @@ def test_independent_cells_have_seeds_of_their_own(study, f32):
     np.testing.assert_array_equal(report.rows[5].values("time"), alone.time)
 
 
-def test_tables_are_tidy_and_the_manifest_says_what_was_computed(study, tmp_path):
-    done = _bench(study, "-o", "o", "--per-trial", cwd=tmp_path)
+def test_tables_are_tidy_and_the_manifest_says_what_was_computed(study, tmp_path, bench):
+    done = bench(study, "-o", "o", "--per-trial", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader((tmp_path / "o" / "cells.csv").open()))
     assert list(rows[0])[:6] == ["cell", "prey.goal", "prey.count", "n", "success", "success_stderr"]
@@ -140,10 +103,10 @@ def _kept(folder):
     return len(list(folder.glob("cells/[0-9]*.npz")))
 
 
-def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_path):
-    study.write_text(STUDY.replace("steps = 4", "steps = 60").replace("figures = [", "figures = [] #"))
+def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_path, bench):
+    study.write_text(study.read_text().replace("steps = 4", "steps = 60").replace("figures = [", "figures = [] #"))
     options = ("--per-trial", "--quiet", study)
-    assert _bench("-o", "whole", *options, cwd=tmp_path).returncode == 0
+    assert bench("-o", "whole", *options, cwd=tmp_path).returncode == 0
     names = ("cells.csv", "trials.csv")
     whole = {name: (tmp_path / "whole" / name).read_bytes() for name in names}
     rng, kills, cut, round_ = random.Random(6), 0, 0, 0
@@ -171,12 +134,12 @@ def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_
         assert done >= before
         cut += before < done < 120
         if done == 120:
-            assert _bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
+            assert bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
             assert {name: (folder / name).read_bytes() for name in names} == whole
             round_ += 1
     assert cut  # some were hit between two cells
     folder = tmp_path / f"killed-{round_}"
-    assert _bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
+    assert bench("-o", folder.name, *options, cwd=tmp_path).returncode == 0
     assert {name: (folder / name).read_bytes() for name in names} == whole
     assert not list(folder.rglob("*.part*"))
 
@@ -238,57 +201,13 @@ def test_cells_that_are_broken_or_of_nobody_are_run_again(study, tmp_path, f32):
     ],
 )
 def test_a_wrong_study_is_refused_in_one_line(study, old, new, said, f32):
-    text = STUDY.replace(old, new)
+    text = study.read_text().replace(old, new)
     if "correlate = []" in text:
         text = text[: text.index("[correlate]")]
     study.write_text(text)
     with pytest.raises(tiswarm.ScenarioError, match=said) as caught:
         run_study(str(study))
     assert "\n" not in str(caught.value)
-
-
-def test_a_film_of_a_counted_trial_shows_the_outcome_that_was_counted(study, tmp_path, f32):
-    from tiswarm.cli.rerun import Rebuilt
-
-    run_study(str(study), seed=4, folder=tmp_path / "o")
-    rebuilt = Rebuilt(tmp_path / "o" / "manifest.json")
-    for number in (0, 5):
-        held = read_cell(tmp_path / "o", read_manifest(tmp_path / "o" / "manifest.json"), number, columns_of(MEASURES))
-        picks = [rebuilt.picked(number, pick) for pick in ("worst", "median", "best")]
-        success = [held["success"][trial] for trial in picks]
-        assert success == [held["success"].min(), np.sort(held["success"])[::-1][10], held["success"].max()]
-        for trial in (*picks, 7):
-            recording = rebuilt.record(number, trial)
-            assert (recording.prey.fate == "arrived").mean() == held["success"][trial]
-            assert recording.ticks == held["ticks"][trial]
-    (tmp_path / "o" / "cells" / "00005.npz").unlink()  # run again instead of read
-    assert rebuilt.picked(5, "worst") == picks[0]
-
-
-def test_the_command_line_films_it_and_refuses_what_cannot_be(study, tmp_path):
-    assert _bench(study, "-o", "o", "--quiet", "--figures", "none", cwd=tmp_path).returncode == 0
-
-    def film(*arguments):
-        return subprocess.run(
-            [sys.executable, "-m", "tiswarm", "film", *arguments], capture_output=True, text=True, cwd=tmp_path, check=False
-        )
-
-    done = film("o/manifest.json", "--cell", "3", "--worst", "-o", "x.mp4", "--size", "320x180", "--fps", "10", "--speed", "40")
-    assert done.returncode == 0, done.stderr
-    assert "cell 3 (0.1/6), trial" in done.stdout
-    assert (tmp_path / "x.mp4").stat().st_size > 1000
-    for arguments, said in (
-        (("o/manifest.json",), "--cell"),
-        (("o/manifest.json", "--cell", "8"), "cells 0 to 7"),
-        (("o/manifest.json", "--cell", "1", "--trial", "20"), "trials 0 to 19"),
-        (("o/manifest.json", "--cell", "1", "--best", "--worst"), "use one"),
-        (("o/manifest.json", "--cell", "1", "--seed", "3"), "drop"),
-        (("delft/pronav-10", "--cell", "1"), "no manifest"),
-        (("p/manifest.json", "--cell", "1"), "no such file"),
-    ):
-        done = film(*arguments)
-        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
-        assert said in done.stderr
 
 
 def test_a_study_asks_for_what_it_reports_and_leaves_out_trials_without_a_value(tmp_path, f32):

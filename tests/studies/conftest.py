@@ -1,0 +1,48 @@
+"""Fixtures: a small study, and the command line that runs it."""
+
+import subprocess
+import sys
+
+import pytest
+
+STUDY = """
+title = "Goals and numbers"
+base = "delft/avoidance-10"
+trials = 20
+figures = ["pairs"]
+set = { "world.ticks" = 120 }
+[[axes]]
+key = "prey.goal"
+low = 0.05
+high = 0.2
+steps = 4
+[[axes]]
+key = "prey.count"
+values = [2, 6]
+[correlate]
+x = "prey.goal"
+y = "time"
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "s.toml").write_text(STUDY)
+    return tmp_path / "s.toml"
+
+
+@pytest.fixture
+def bench():
+    """Run `tiswarm bench` in a process of its own."""
+
+    def run(*arguments, cwd=None):
+        return subprocess.run(
+            [sys.executable, "-m", "tiswarm", "bench", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=cwd,
+            timeout=120,
+            check=False,
+        )
+
+    return run
