@@ -59,6 +59,8 @@ def test_a_batch_names_trial_tick_agent_and_strategy(divider):
     assert tick == 6  # the move from tick 5 divides
     with pytest.raises(ValueError, match=f"trial {trial}, tick 6: prey"):
         tiswarm.record(divider, trial=trial, seed=3)
+    with pytest.raises(ValueError, match=f"trial {trial}, tick 6: prey"):
+        tiswarm.Simulation(divider, 3, trial).step(12)
 
 
 def test_trials_of_numbers_of_their_own_are_named(divider):

@@ -88,6 +88,24 @@ def test_stepping_gives_the_bits_of_a_recording(engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
+def test_many_ticks_at_once_give_the_bits_of_one_after_the_other(engine):
+    for ticks in (30, 300):  # cut off by its last tick, and over before it
+        scenario = chase(engine, **{"world.ticks": ticks, "predators.radius": 4.0})
+        step, leap = tiswarm.Simulation(scenario, 3), tiswarm.Simulation(scenario, 3)
+        while not step.ended:
+            step.step()
+        leap.step(7)
+        leap.step(ticks)
+        assert leap.ended
+        assert leap.age == step.age
+        for kind in ("prey", "predators"):
+            np.testing.assert_array_equal(leap.position(kind), step.position(kind))
+            np.testing.assert_array_equal(leap.velocity(kind), step.velocity(kind))
+            np.testing.assert_array_equal(leap.fate(kind), step.fate(kind))
+    assert leap.age < 300, "the trial was to end on the way"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
 def test_a_start_of_ones_own_gives_the_counts(engine):
     none = np.zeros((0, 2))
     start = tiswarm.Start(np.array([[50.0, 30.0], [52.0, 31.0]]), np.ones((2, 2)), none, none, none, np.zeros(0))

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from tiswarm.dynamics.rows import AGE, DONE
+from tiswarm.dynamics.rows import AGE, DONE, ON
 from tiswarm.engine import finite
 from tiswarm.engine.trials.batch import Blocks
+from tiswarm.engine.trials.kernel import OUTCOMES
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.start import Start
@@ -44,22 +45,50 @@ class Single:
         self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
 
     def step(self, ticks: int = 1) -> None:
-        """Run so many ticks, fewer when the trial ends before."""
-        for _ in range(ticks):
-            if self.ended:  # the kernel would take the lane for a free one
-                return
+        """Run so many ticks, fewer when the trial ends before; in one launch, unless a strategy asks programs outside it."""
+        while ticks > 0 and not self.ended:  # the kernel would take the lane of a trial that is over for a free one
             if self._live:
                 self._consult()
-            self._advance(1)
-            for kind in ("prey", "predators"):
-                rows, own = self._agents(kind), self._rows
-                alive = rows[own.alive] > 0.5
-                finite.check(self.scenario, self._trial, self.age, kind, rows[[*own.place, *own.motion]].T, alive)
+            ticks -= self._run(1 if self._live else ticks)
+
+    def _run(self, moves: int) -> int:
+        """Make so many moves, fewer when the trial ends before, and look at the state; give how many were made."""
+        age, before = self.age, self._kept() if moves > 1 else []
+        self._advance(moves)
+        if self._blocks.clock[0, ON, 0] < 0.5:  # it ended on the way, and its lane was given away
+            moves = int(self._results[0, list(OUTCOMES).index("ticks")]) - age
+            self._restore(before)
+            self._advance(moves)
+        try:
+            self._check()
+        except finite.NotFiniteError:
+            if not before:
+                raise
+            self._restore(before)
+            for _ in range(moves):  # the first tick of it is the one to name
+                self._advance(1)
+                self._check()
+        return moves
+
+    def _check(self) -> None:
+        """Errors: NotFiniteError if anyone is at no finite place or velocity."""
+        for kind in ("prey", "predators"):
+            rows, own = self._agents(kind), self._rows
+            alive = rows[own.alive] > 0.5
+            finite.check(self.scenario, self._trial, self.age, kind, rows[[*own.place, *own.motion]].T, alive)
+
+    def _kept(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Copy the whole state, each array beside its copy."""
+        return [(each, each.copy()) for each in vars(self._blocks).values() if isinstance(each, np.ndarray)]
+
+    def _restore(self, kept: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Go back to a state that was kept."""
+        for each, copy in kept:
+            each[...] = copy
 
     def _consult(self) -> None:
         """Let strategies that ask programs outside the kernel see the prey where this tick will have moved them."""
-        arrays = [each for each in vars(self._blocks).values() if isinstance(each, np.ndarray)]
-        before = [each.copy() for each in arrays]
+        before = self._kept()
         here = self._agents("prey")[self._rows.alive] > 0.5
         self._advance(1)
         position = self._agents("prey")[self._rows.place].T.astype(np.float64)
@@ -67,8 +96,7 @@ class Single:
         world = self.scenario.world
         if world.wrap_sight:
             position = box.about_first(position, box.period(world.size, world.boundary))
-        for each, kept in zip(arrays, before, strict=True):
-            each[...] = kept
+        self._restore(before)
         predators, key = self._agents("predators"), (self.seed, self._trial, self.age)
         for part in self._live:
             memory = {name: predators[row] for name, row in zip(part.memory, part.memory_rows, strict=True)}
