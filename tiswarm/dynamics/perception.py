@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.dynamics import vision
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import dot, larger, motion, place
+from tiswarm.dynamics.vision import Vision
+from tiswarm.simd.lanes import dot, larger, motion, place, scaled, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import flock, see_mate
@@ -26,7 +28,8 @@ def watching(layout: ParameterTable) -> bool:
 class SightTerms:
     """What one kind of agents makes of its mates."""
 
-    counted: Func  # give 1 for a mate that is there and that all strategies count as one, else 0
+    vision: Vision
+    counted: Func  # give 1 for a mate that is there, in view, and that all strategies count as one, else 0
     reaches: Func  # give the squares of how far mates are seen, and how near they are pushed away
     flocked: Func  # separation, cohesion and alignment: what the mates in sight add to the velocity
 
@@ -50,10 +53,14 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
         choosy = layout.parts(kind, "strategy", "mates")
         loners = [p for p in layout.parts(kind, "strategy") if not p.strategy.flocks]
 
+        sight = vision.build(layout, types, kind)
+
         @ti.func
-        def counted(numbers: ti.template(), b, me: ti.template(), mate: ti.template()):
-            """Give 1 for a mate that is there and that all strategies count as one, else 0."""
+        def counted(numbers: ti.template(), b, me: ti.template(), mate: ti.template(), away: ti.template()):
+            """Give 1 for a mate that is there, in view, and that all strategies count as one, else 0."""
             counts = types.lanes(1.0) * mate.alive  # which may be one number for all lanes
+            if ti.static(sight.narrow):
+                counts = counts * sight.in_view(numbers, b, me, away)
             for p in ti.static(choosy):
                 weights = see.weights_of(p, numbers, b)
                 chosen = p.strategy.mates(me, mate, weights)
@@ -75,7 +82,7 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
 
             The sums hold the agent itself, at no distance: loops have no branch that leaves it out.
             """
-            own = counted(numbers, b, me, me)
+            own = counted(numbers, b, me, me, scaled(place(me), 0.0))
             mates.n += -1.0 * own
             for k in ti.static(range(len(layout.axes))):
                 motion(mates)[k] += -1.0 * own * motion(me)[k]
@@ -85,7 +92,7 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
                     pull[k] = pull[k] * (1.0 - see.weights_of(p, numbers, b).on)
             return pull
 
-        return SightTerms(counted=counted, reaches=reaches, flocked=flocked)
+        return SightTerms(vision=sight, counted=counted, reaches=reaches, flocked=flocked)
 
     @ti.func
     def see_hunter(threat: ti.template(), hunter: ti.template(), away: ti.template(), reach2):
@@ -132,10 +139,26 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
     wrapping, width = layout.structure.frame.wrap_sight, len(layout.paths)
     watched = watching(layout)
     terms = build_terms(layout, types, see)
+    prey_sight, predator_sight = terms.prey.vision, terms.predators.vision
+    observing = bool(layout.parts("prey", "strategy", "observe"))
 
     def gathers(kind: str):
         own_rows, mate_at, own = layout.agent_rows[kind], see.mate_at[kind], getattr(terms, kind)
         place_of_count = 0 if kind == "prey" else 1
+
+        @ti.func
+        def nearest2(here: ti.template(), me: ti.template()):
+            """Give the square of how far the nearest mates that count are."""
+            agents = ti.static(getattr(here, kind))
+            count = here.counts[place_of_count]
+            perception2, _ = own.reaches(here.numbers, here.b, me)
+            itself = own.counted(here.numbers, here.b, me, me, scaled(place(me), 0.0))
+            ranks = own.vision.ranking(here.numbers, here.b, itself)
+            for j in range(count):
+                mate = mate_at(agents, (here.b * count + j) * own_rows, j)
+                away = see.sight(me, mate, here.numbers, here.b)
+                own.vision.rank(ranks, dot(away, away), own.counted(here.numbers, here.b, me, mate, away), perception2)
+            return ranks[vision.ROOM - 1]
 
         @ti.func
         def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
@@ -143,12 +166,17 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             agents = ti.static(getattr(here, kind))
             count = here.counts[place_of_count]
             perception2, spacing2 = own.reaches(here.numbers, here.b, me)
+            if ti.static(own.vision.choosy):
+                perception2 = smaller(perception2, nearest2(here, me))
             for j in range(count):
                 mate = mate_at(agents, (here.b * count + j) * own_rows, j)
                 away = see.sight(me, mate, here.numbers, here.b)
-                see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate), perception2, spacing2)
+                see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate, away), perception2, spacing2)
 
-        return gather
+        return gather, nearest2
+
+    ways = {kind: gathers(kind) for kind in ("prey", "predators")}
+    nearest_prey2 = ways["prey"][1]
 
     @ti.func
     def heed(notes: ti.template(), threat: ti.template(), here: ti.template(), me: ti.template()):
@@ -159,10 +187,16 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
         b = here.b
         counts = here.counts
         numbers = ti.static(here.numbers)
+        near2 = lanes(vision.BEYOND)
+        if ti.static(prey_sight.choosy and observing):
+            near2 = nearest_prey2(here, me)
         if ti.static(watched):
             for j in range(counts[1]):
                 hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
-                terms.see_hunter(threat, hunter, see.sight(me, hunter, numbers, b), me.perception * me.perception)
+                away = see.sight(me, hunter, numbers, b)
+                if ti.static(prey_sight.narrow):
+                    hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
+                terms.see_hunter(threat, hunter, away, me.perception * me.perception)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             weights = see.weights_of(p, numbers, b)
             if ti.static("observe" in p.own):
@@ -174,11 +208,15 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
                     if j != here.i:
                         away = see.sight(me, mate, numbers, b)
                         seen = see.image(me, mate, numbers, b)
+                        if ti.static(prey_sight.narrow or prey_sight.choosy):
+                            seen.alive = seen.alive * prey_sight.heeded(numbers, b, me, away, near2)
                         p.strategy.observe(notes[k], me, seen, away, first, second, weights)
             if ti.static(hunted and "beware" in p.own):
                 for j in range(counts[1]):
                     hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
                     away = see.sight(me, hunter, numbers, b)
+                    if ti.static(prey_sight.narrow):
+                        hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
                     p.strategy.beware(notes[k], me, see.image(me, hunter, numbers, b), away, weights)
 
     @ti.func
@@ -187,6 +225,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
         for j in range(here.counts[0]):
             each = prey_mate(here.prey, (here.b * here.counts[0] + j) * prey_rows, j)
             away = see.sight(me, each, here.numbers, here.b)
+            if ti.static(predator_sight.narrow):
+                each.alive = each.alive * predator_sight.in_view(here.numbers, here.b, me, away)
             p.strategy.observe(notes, me, see.image(me, each, here.numbers, here.b), away, quarry, weights)
 
     @ti.func
@@ -244,7 +284,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
         return swarm
 
     return AllPairs(
-        gather={kind: gathers(kind) for kind in ("prey", "predators")},
+        gather={kind: gather for kind, (gather, _) in ways.items()},
         flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
         heed=heed,
         chase=chase,

@@ -38,7 +38,8 @@ class Part:
 class WorldKind:
     """What all scenarios of one batch must have in common: the kind of world, and what is measured in it.
 
-    unicycles, slow: which kinds of agents are driven so, and which have a least speed; cells: of the coverage grid, (0, 0)
+    unicycles, slow: which kinds of agents are driven so, and which have a least speed; narrow, choosy: which do not see behind
+    them, and which heed the nearest mates alone; cells: of the coverage grid, (0, 0)
     without one.
     """
 
@@ -56,6 +57,8 @@ class WorldKind:
     capped: tuple[bool, bool]
     unicycles: tuple[str, ...]
     slow: tuple[str, ...]
+    narrow: tuple[str, ...]
+    choosy: tuple[str, ...]
     measures: tuple[str, ...]
     cells: tuple[int, int]
 
@@ -79,6 +82,8 @@ class WorldKind:
             capped=(scenario.prey.spawn.capped, scenario.predators.spawn.capped),
             unicycles=tuple(kind for kind, each in agents.items() if each.drive == "unicycle"),
             slow=tuple(kind for kind, each in agents.items() if each.min_speed > 0),
+            narrow=tuple(kind for kind, each in agents.items() if each.field_of_view < 360),
+            choosy=tuple(kind for kind, each in agents.items() if each.nearest != "all"),
             measures=scenario.measures.names,
             cells=(int(np.ceil(world.size[0] / cell)), int(np.ceil(world.size[1] / cell))) if cell else (0, 0),
         )

@@ -54,7 +54,10 @@ class ParameterTable:
         for kind in ("prey", "predators"):
             names = [*_AGENT_NUMBERS, *(["ahead", "max_turn"] if kind in structure.frame.unicycles else [])]
             names += ["min_speed"] if kind in structure.frame.slow else []
+            names += ["field_of_view"] if kind in frame.narrow else []
+            names += ["nearest"] if kind in frame.choosy else []
             columns = {name: self._column(f"{kind}.{name}") for name in names}
+            columns |= {"view": self._column(f"{kind}:view")} if kind in frame.narrow else {}  # of that field, its least cosine
             spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
             period = {f"period_{'xyz'[k]}": self.at.size[k] for k in self.axes}
             setattr(self.at, kind, SimpleNamespace(**columns, **spawn, **period))
@@ -163,6 +166,8 @@ class ParameterTable:
             return values if len(values) == rows else np.repeat(values, rows)
 
         columns = {path: numbers(path) for path in self.paths if ":" not in path}
+        for kind in self.structure.frame.narrow:
+            columns[f"{kind}:view"] = least_cosine(numbers(f"{kind}.field_of_view"))
         for each in self._parts:
             part = each.part
             own = {name: numbers(f"{part.kind}.weights.{name}") for name in _numbers_of(each.strategy)}
@@ -173,6 +178,11 @@ class ParameterTable:
             if part.shape is not None:
                 columns |= network_columns.columns_of(part.kind, part.name, part.shape, scenarios, networks)
         return np.stack([np.broadcast_to(columns[path], rows) for path in self.paths], axis=1)
+
+
+def least_cosine(degrees: np.ndarray) -> np.ndarray:
+    """Give the cosine of half a field of view, less than any for 360°, where rounding must hide nobody."""
+    return np.where(degrees >= 360, -2.0, np.cos(np.radians(degrees) / 2))
 
 
 def _numbers_of(strategy: Any) -> list[str]:

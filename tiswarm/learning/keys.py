@@ -23,7 +23,7 @@ SPREAD = 0.2
 MOST_ARMS = 64
 """Combinations of choices that race each other; each needs generations of its own."""
 
-WHOLE = (".count", "world.ticks", "measures.after", "measures.window")
+WHOLE = (".count", "world.ticks", "measures.after", "measures.window", "prey.nearest", "predators.nearest")
 """How paths of whole numbers end."""
 
 

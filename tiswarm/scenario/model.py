@@ -15,6 +15,8 @@ from tiswarm.scenario.parts import (
     MOST_AGENTS,
     Box,
     Count,
+    Degrees,
+    Nearest,
     NotNegative,
     Number,
     Part,
@@ -123,6 +125,8 @@ class Agents(Part):
     avoidance: Avoidance
     radius: NotNegative  # m
     perception: NotNegative  # m
+    field_of_view: Degrees = 360.0  # centred on the velocity; mates and opponents outside it are not seen
+    nearest: Nearest = "all"  # how many of the mates in sight count, the nearest ones
     spacing: NotNegative = 3.0  # m, closer mates are separated from
     max_speed: Positive = 1.0  # m/s
     min_speed: NotNegative = 0.0  # m/s

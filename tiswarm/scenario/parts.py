@@ -1,7 +1,7 @@
 """Parts: what scenarios are built of: numbers within bounds, frozen tables, boxes; and all of it as a preset writes it."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any, NoReturn, Self
+from typing import Annotated, Any, Literal, NoReturn, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -10,12 +10,25 @@ MOST_AGENTS = 4_000_000
 LIMIT = 1e6
 """Largest magnitude of any length, speed or weight: products of a few of them still fit into single precision."""
 
+MOST_NEAREST = 30
+"""Most mates of `nearest`: a kernel has a place for each."""
+
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LIMIT, le=LIMIT)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LIMIT)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=LIMIT)]
 Count = Annotated[int, Field(strict=True, ge=0, le=MOST_AGENTS)]
 Point = Annotated[tuple[Real, ...], Field(min_length=2, max_length=3)]
 Number = Annotated[Real, BeforeValidator(lambda value: float(value) if isinstance(value, bool) else value)]
+
+
+def _nearest(value: Any) -> Any:
+    if value == "all" or (type(value) is int and 1 <= value <= MOST_NEAREST):
+        return value
+    raise ValueError(f"use a whole number from 1 to {MOST_NEAREST}, or 'all'")
+
+
+Nearest = Annotated[int | Literal["all"], BeforeValidator(_nearest)]
+Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1, le=360)]
 
 
 class Weights(dict[str, float | str]):

@@ -14,10 +14,11 @@ from tiswarm.dynamics import perception
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.engine.swarms import crossing, slots
+from tiswarm.dynamics.vision import BEYOND, Vision
+from tiswarm.engine.swarms import crossing, ranking, slots
 from tiswarm.engine.swarms.crossing import FAR
 from tiswarm.engine.swarms.slots import Slots
-from tiswarm.simd.lanes import Bundle, coordinates, place
+from tiswarm.simd.lanes import Bundle, coordinates, place, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import see_mate
 
@@ -63,9 +64,7 @@ class _Sight:
 
 
 def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSearch:
-    """Build gather, flocked, me_of and mate_of (kind -> func), heed, chase, blocked, look and obstacle_of.
-
-    away_in: kind -> func that gives the way from its agent in a slot; crosses: kind, func -> walk through that crowd.
+    """Build the search. away_in: kind -> func that gives the way from its agent in a slot.
 
     near: prey, predators, obstacles -> the funcs of their grids.
     here: prey, predators, obstacles (crowds), numbers; trial; block and end of the agents who look, in slots of their crowd;
@@ -80,7 +79,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
         gather={kind: _gathering(sight, getattr(terms, kind), kind) for kind in kinds},
         flocked={kind: getattr(terms, kind).flocked for kind in kinds},
         heed=_heeding(sight, terms),
-        chase=_chasing(sight),
+        chase=_chasing(sight, terms.predators.vision),
         blocked=blocked,
         look=look,
         crosses=sight.crosses,
@@ -94,12 +93,13 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
 def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
     """Build what sums up the mates in reach. own: the terms of the kind."""
     away_from, mate_of = sight.away_in(kind), sight.slots[kind].mate_of
+    nearest2 = ranking.build(sight, own, kind)
 
     @ti.func
     def meet_mate(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
         mate = mate_of(agents, view.whole, j)
         away = away_from(here, agents, j, reals)
-        counts = own.counted(view.numbers, 0, view.me, mate)
+        counts = own.counted(view.numbers, 0, view.me, mate, away)
         see_mate(view.mates, mate, away, counts, view.perception2, view.spacing2)
 
     around = getattr(sight.near, kind).walks(meet_mate).around
@@ -108,6 +108,8 @@ def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
     def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
         """Add all mates in reach to what agents see of their swarm, themselves included."""
         perception2, spacing2 = own.reaches(here.numbers, 0, me)
+        if ti.static(own.vision.choosy):
+            perception2 = smaller(perception2, nearest2(here, me))
         crowd = here.of(kind)
         view = Bundle(mates=mates, me=me, numbers=here.numbers, whole=crowd.whole, perception2=perception2, spacing2=spacing2)
         p = ti.static(coordinates(me))
@@ -116,7 +118,7 @@ def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
     return gather
 
 
-def _observing(sight: _Sight) -> Func:
+def _observing(sight: _Sight, vision: Vision) -> Func:
     """Build the walk that lets prey strategies collect what they need of their mates."""
     layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
     from_prey = sight.away_in("prey")
@@ -126,6 +128,8 @@ def _observing(sight: _Sight) -> Func:
         mate = prey.mate_of(agents, view.whole, j)
         away = from_prey(here, agents, j, reals)
         other = prey.other_than(view.me, mate, away)
+        if ti.static(vision.narrow or vision.choosy):
+            other.alive = other.alive * vision.heeded(view.numbers, 0, view.me, away, view.near2)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("observe" in p.own):
                 weights = see.weights_of(p, view.numbers, 0)
@@ -137,31 +141,43 @@ def _observing(sight: _Sight) -> Func:
 def _watching(sight: _Sight, terms: Any, watched: bool) -> Func:
     """Build the walk that lets prey, and their strategies, see the predators in sight."""
     layout, see, predators = sight.layout, sight.see, sight.slots["predators"]
+    narrow = terms.prey.vision.narrow
     from_predator = sight.away_in("predators")
 
     @ti.func
     def meet_hunter(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
         hunter = predators.mate_of(agents, view.whole, j)
         away = from_predator(here, agents, j, reals)
+        alive = terms.prey.vision.in_view(view.numbers, 0, view.me, away)
         if ti.static(watched):
-            terms.see_hunter(view.threat, hunter, away, view.me.perception * view.me.perception)
+            perception2 = view.me.perception * view.me.perception
+            if ti.static(narrow):
+                terms.see_hunter(view.threat, predators.seen_as(view.me, hunter, away, alive), away, perception2)
+            else:
+                terms.see_hunter(view.threat, hunter, away, perception2)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("beware" in p.own):
-                seen = predators.seen(view.me, hunter, away)
-                p.strategy.beware(view.notes[k], view.me, seen, away, see.weights_of(p, view.numbers, 0))
+                weights = see.weights_of(p, view.numbers, 0)
+                if ti.static(narrow):
+                    p.strategy.beware(view.notes[k], view.me, predators.seen_as(view.me, hunter, away, alive), away, weights)
+                else:
+                    p.strategy.beware(view.notes[k], view.me, predators.seen(view.me, hunter, away), away, weights)
 
     return sight.crosses("predators", meet_hunter)
 
 
 def _heeding(sight: _Sight, terms: Any) -> Func:
     """Build what lets prey see predators, and strategies of prey whom they look at."""
+    lanes = sight.types.lanes
     layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
     strategies = layout.parts("prey", "strategy")
     observers = [p for p in strategies if "observe" in p.own]
     led = any(p.strategy.leads for p in observers)
     watched = perception.watching(layout)
     heeds = bool(layout.structure.hunted and (watched or any("beware" in p.own for p in strategies)))
-    observed = _observing(sight)
+    vision = terms.prey.vision
+    observed = _observing(sight, vision)
+    nearest2 = ranking.build(sight, terms.prey, "prey") if vision.choosy else None
     heeded = _watching(sight, terms, watched) if heeds else None
 
     @ti.func
@@ -184,7 +200,10 @@ def _heeding(sight: _Sight, terms: Any) -> Func:
                 second = leader(here, 1)
             one = prey.seen(me, first, see.sight(me, first, here.numbers, 0))
             two = prey.seen(me, second, see.sight(me, second, here.numbers, 0))
-            view = Bundle(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two)
+            near2 = lanes(BEYOND)
+            if ti.static(vision.choosy):
+                near2 = nearest2(here, me)
+            view = Bundle(notes=notes, me=me, numbers=here.numbers, whole=here.prey.whole, first=one, second=two, near2=near2)
             p = ti.static(coordinates(me))
             observed(view, p, here.prey.agents, here.prey.whole, here.prey.reals, here.trial, here.block, here.end)
         if ti.static(heeds):
@@ -194,8 +213,8 @@ def _heeding(sight: _Sight, terms: Any) -> Func:
     return heed
 
 
-def _chasing(sight: _Sight) -> Func:
-    """Build what lets a predator strategy look at single prey."""
+def _chasing(sight: _Sight, vision: Vision) -> Func:
+    """Build what lets a predator strategy look at single prey. vision: the predators'."""
     see, prey = sight.see, sight.slots["prey"]
 
     @ti.func
@@ -206,7 +225,11 @@ def _chasing(sight: _Sight) -> Func:
             if slot >= 0:
                 each = prey.mate_of(here.prey.agents, here.prey.whole, slot)
                 away = see.sight(me, each, here.numbers, 0)
-                p.strategy.observe(notes, me, prey.seen(me, each, away), away, quarry, weights)
+                if ti.static(vision.narrow):
+                    alive = vision.in_view(here.numbers, 0, me, away)
+                    p.strategy.observe(notes, me, prey.seen_as(me, each, away, alive), away, quarry, weights)
+                else:
+                    p.strategy.observe(notes, me, prey.seen(me, each, away), away, quarry, weights)
 
     return chase
 

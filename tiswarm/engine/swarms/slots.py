@@ -19,6 +19,7 @@ class Slots:
     mate_of: Func  # give the agent in a slot
     other_than: Func  # give a mate, where I see it, who is not there in the lane that it is itself
     seen: Func  # give an agent where I see it
+    seen_as: Func  # the same, in each lane as much there as `alive` says
     missing: Func
 
 
@@ -57,11 +58,15 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str) -> Slots:
         return Mate(*state, 1.0, *told, ti.cast(number, real), ti.cast(number & 1, real))
 
     @ti.func
+    def seen_as(me: ti.template(), mate: ti.template(), away: ti.template(), alive):
+        """Give an agent where I see it, in each lane as much there as `alive` says."""
+        told = ti.static([getattr(mate, name) for name in names[2 * dim + 1 :]])
+        return Other(*see.spot(me, mate, away), *ti.static(rates(mate)), alive, *told)
+
+    @ti.func
     def other_than(me: ti.template(), mate: ti.template(), away: ti.template()):
         """Give a mate, where I see it, who is not there in the lane that it is itself."""
-        told = ti.static([getattr(mate, name) for name in names[2 * dim + 1 :]])
-        alive = ti.select(me.number == mate.number, 0.0, lanes(1.0))
-        return Other(*see.spot(me, mate, away), *ti.static(rates(mate)), alive, *told)
+        return seen_as(me, mate, away, ti.select(me.number == mate.number, 0.0, lanes(1.0)))
 
     @ti.func
     def seen(me: ti.template(), mate: ti.template(), away: ti.template()):
@@ -73,4 +78,4 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str) -> Slots:
     def missing():
         return Mate(*[real(0.0) for _ in ti.static(names)])
 
-    return Slots(me_of=me_of, mate_of=mate_of, other_than=other_than, seen=seen, missing=missing)
+    return Slots(me_of=me_of, mate_of=mate_of, other_than=other_than, seen=seen, seen_as=seen_as, missing=missing)

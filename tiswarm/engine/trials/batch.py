@@ -182,9 +182,12 @@ def with_numbers(scenario: Scenario, numbers: Mapping[str, float]) -> Scenario:
     return scenario.replaced({path: int(value) if _whole(path) else float(value) for path, value in numbers.items()})
 
 
+WHOLE = ("world.ticks", "measures.after", "measures.window", "prey.nearest", "predators.nearest")
+
+
 def _whole(path: str) -> bool:
     """Tell whether a number must be a whole one."""
-    return path.endswith(".count") or path in ("world.ticks", "measures.after", "measures.window")
+    return path.endswith(".count") or path in WHOLE
 
 
 def _check_live(scenarios: list[Scenario]) -> None:
