@@ -66,9 +66,17 @@ def test_every_strategy_and_avoidance(f64, every_strategy):
     assert (ends > 0).all(), "nobody was captured, or nobody crashed: then nothing was compared"
 
 
+# Everybody sees but ahead of them, and heeds the nearest of their mates alone.
+PREY_SIGHT = {"prey.field_of_view": 200.0, "prey.nearest": 4}
+ALL_SIGHT = PREY_SIGHT | {"predators.field_of_view": 120.0, "predators.nearest": 2}
+
+
 @pytest.mark.parametrize(
     ("preset", "changes"),
     [
+        ("delft/pronav-10", FEW | CLOSE | ALL_SIGHT | {"prey.strategy": "explode-evasive", "predators.strategy": "hawk"}),
+        ("m20/hawk", ALL_SIGHT | {"prey.count": 30, "predators.count": 9}),
+        ("lookout/aquarium", PREY_SIGHT | {"prey.count": 40, "prey.spawn.region": [[5, 5, 5], [25, 25, 25]]}),
         ("m20/hawk", {"prey.count": 30, "predators.count": 9, "world.contact": "eaten", "prey.radius": 0.3}),
         ("sanitation/potential", {"prey.count": 30}),
         ("sanitation/arena", {}),

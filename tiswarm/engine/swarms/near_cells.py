@@ -67,8 +67,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     """Build the search. away_in: kind -> func that gives the way from its agent in a slot.
 
     near: prey, predators, obstacles -> the funcs of their grids.
-    here: prey, predators, obstacles (crowds), numbers; trial; block and end of the agents who look, in slots of their crowd;
-    count: how many prey a trial starts with.
+    here: prey, predators, obstacles (crowds), numbers; trial; block, end: slots of who looks; count: prey at the start.
     """
     kinds = ("prey", "predators")
     terms = perception.build_terms(layout, types, see)
@@ -132,8 +131,8 @@ def _observing(sight: _Sight, vision: Vision) -> Func:
             other.alive = other.alive * vision.heeded(view.numbers, 0, view.me, away, view.near2)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("observe" in p.own):
-                weights = see.weights_of(p, view.numbers, 0)
-                p.strategy.observe(view.notes[k], view.me, other, away, view.first, view.second, weights)
+                own = see.weights_of(p, view.numbers, 0)
+                p.strategy.observe(view.notes[k], view.me, other, away, view.first, view.second, own)
 
     return sight.near.prey.walks(meet_observed).around
 
