@@ -149,6 +149,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     def steered(
         course: ti.template(),
         here: ti.template(),
+        draw: ti.template(),
         prey: ti.template(),
         a,
         me: ti.template(),
@@ -163,7 +164,13 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
             senses.heed(notes, threat, here, me)
         for j, p in ti.static(enumerate(strategies)):
             weights = see.weights_of(p, numbers, b)
-            if ti.static("integrate" in p.own):
+            if ti.static("roam" in p.own):
+                push = minus(course, motion(me))
+                dice = dice_of(draw, philox.STRATEGY)
+                other = p.strategy.roam(me, push, notes[j], dice, numbers[b * width + at.dt], weights)
+                for k in ti.static(range(dim)):
+                    course[k] = ti.select(weights.on > 0.5, other[k], course[k])
+            elif ti.static("integrate" in p.own):
                 push = minus(course, motion(me))
                 dt = numbers[b * width + at.dt]
                 other = p.strategy.integrate(me, push, swarm, notes[j], memory_of(p, prey, a), dt, weights)
@@ -217,7 +224,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(prey, a, "prey", "field", course)
         steps.wall_turn(course, me, numbers, b)
         note(prey, a, "prey", "walls", course)
-        steered(course, here, prey, a, me, numbers, b, threat, flock, notes)
+        steered(course, here, draw, prey, a, me, numbers, b, threat, flock, notes)
         turned(course, here, "prey", me, numbers, b)
         note(prey, a, "prey", "turn", course)
         steps.prey.limited(course, me, numbers, b)

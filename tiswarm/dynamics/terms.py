@@ -9,7 +9,7 @@ def names(layout: Any, kind: str) -> list[str]:
     """List the terms that moves can have, in the order in which they change the velocity. layout: a `Layout`."""
     strategies, frame = layout.parts(kind, "strategy"), layout.structure.frame
     prey = kind == "prey"
-    steering = [p.part.name for p in strategies if {"steer", "integrate"} & set(p.own)]
+    steering = [p.part.name for p in strategies if {"steer", "integrate", "roam"} & set(p.own)]
     kicks = prey and any(p.strategy.dice for p in strategies)
     return [
         *(("separation", "cohesion", "alignment") if layout.flocks(kind) else ()),

@@ -174,8 +174,7 @@ def _heeding(sight: _Sight, terms: Any) -> Func:
     led = any(p.strategy.leads for p in observers)
     watched = perception.watching(layout)
     heeds = bool(layout.structure.hunted and (watched or any("beware" in p.own for p in strategies)))
-    vision = terms.prey.vision
-    observed = _observing(sight, vision)
+    vision, observed = terms.prey.vision, _observing(sight, terms.prey.vision)
     nearest2 = ranking.build(sight, terms.prey, "prey") if vision.choosy else None
     heeded = _watching(sight, terms, watched) if heeds else None
 

@@ -114,6 +114,15 @@ class Prey:
 
     @staticmethod
     @ti.func
+    def roam(me, push, notes, dice, dt, weights):
+        """Give the velocity after the tick, before the cap, as `integrate` does: for models that draw their direction.
+
+        dice: a, b, uniform in [0, 1), others each tick.
+        """
+        return plus(motion(me), push)
+
+    @staticmethod
+    @ti.func
     def kick(threat, dice, memory, weights):
         """Give what is added to the velocity after the speed cap, one number an axis."""
         return scaled(place(threat), 0.0)
