@@ -209,7 +209,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
                         away = see.sight(me, mate, numbers, b)
                         seen = see.image(me, mate, numbers, b)
                         if ti.static(prey_sight.narrow or prey_sight.choosy):
-                            seen.alive = seen.alive * prey_sight.heeded(numbers, b, me, away, near2)
+                            seen.alive = seen.alive * prey_sight.heeded(numbers, b, me, away, near2, p.strategy.feels)
                         p.strategy.observe(notes[k], me, seen, away, first, second, weights)
             if ti.static(hunted and "beware" in p.own):
                 for j in range(counts[1]):

@@ -29,7 +29,7 @@ class Vision:
     in_view: Func  # give 1 where somebody is in the field of view, else 0. away: the way from there to me
     ranking: Func  # give an empty ranking of the nearest, of a trial's number of them. own: whether it ranks itself
     rank: Func  # enter a mate into a ranking; its last place is then the square of how far the nearest are
-    heeded: Func  # give 1 where a mate is both in view and among the nearest. reach2: a ranking's last place
+    heeded: Func  # give 1 where a mate is in view and among the nearest. reach2: a ranking's last place
 
 
 def build(layout: ParameterTable, types: Types, kind: str) -> Vision:
@@ -72,8 +72,13 @@ def build(layout: ParameterTable, types: Types, kind: str) -> Vision:
                 ranks[k] = kept
 
     @ti.func
-    def heeded(numbers: ti.template(), b, me: ti.template(), away: ti.template(), reach2):
-        """Give 1 where a mate is both in view and among the nearest."""
-        return ti.select(dot(away, away) <= reach2, in_view(numbers, b, me, away), 0.0)
+    def heeded(numbers: ti.template(), b, me: ti.template(), away: ti.template(), reach2, feels: ti.template()):
+        """Give 1 where a mate is in view and among the nearest, or where it is felt: within the spacing."""
+        distance2 = dot(away, away)
+        seen = ti.select(distance2 <= reach2, in_view(numbers, b, me, away), 0.0)
+        if ti.static(feels):
+            spacing = numbers[b * width + columns.spacing]
+            seen = ti.select(distance2 <= spacing * spacing, 1.0, seen)
+        return seen
 
     return Vision(narrow=narrow, choosy=choosy, in_view=in_view, ranking=ranking, rank=rank, heeded=heeded)

@@ -127,12 +127,15 @@ def _observing(sight: _Sight, vision: Vision) -> Func:
         mate = prey.mate_of(agents, view.whole, j)
         away = from_prey(here, agents, j, reals)
         other = prey.other_than(view.me, mate, away)
-        if ti.static(vision.narrow or vision.choosy):
-            other.alive = other.alive * vision.heeded(view.numbers, 0, view.me, away, view.near2)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
             if ti.static("observe" in p.own):
                 own = see.weights_of(p, view.numbers, 0)
-                p.strategy.observe(view.notes[k], view.me, other, away, view.first, view.second, own)
+                if ti.static(vision.narrow or vision.choosy):
+                    heeded = vision.heeded(view.numbers, 0, view.me, away, view.near2, p.strategy.feels)
+                    seen = prey.seen_as(view.me, mate, away, other.alive * heeded)
+                    p.strategy.observe(view.notes[k], view.me, seen, away, view.first, view.second, own)
+                else:
+                    p.strategy.observe(view.notes[k], view.me, other, away, view.first, view.second, own)
 
     return sight.near.prey.walks(meet_observed).around
 

@@ -20,6 +20,7 @@ class Prey:
         "away*" stands for away_x, away_y and, in a deep world, away_z: `lanes.vector(notes, "away")`.
     shown: those of them that mates see of each other, as numbers of `me` and `mate`.
     flocks: whether the scenario's separation, cohesion and alignment act as in flocking.py; else the strategy sees to it.
+    feels: whether `observe` is told of mates within the scenario's spacing where prey.field_of_view or nearest would hide them.
     watches: whether `threat` is needed (it costs a loop over the predators).
     leads: whether `observe` needs agents 1 and 2.
     dice: whether `kick` needs two random numbers a tick.
@@ -34,6 +35,7 @@ class Prey:
     shown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     flocks: bool = True
+    feels: bool = False
     watches: bool = False
     leads: bool = False
     dice: bool = False
