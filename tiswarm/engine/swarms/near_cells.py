@@ -15,8 +15,7 @@ from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.dynamics.vision import BEYOND, Vision
-from tiswarm.engine.swarms import crossing, ranking, slots
-from tiswarm.engine.swarms.crossing import FAR
+from tiswarm.engine.swarms import crossing, near_obstacles, ranking, slots
 from tiswarm.engine.swarms.slots import Slots
 from tiswarm.simd.lanes import Bundle, coordinates, place, smaller
 from tiswarm.simd.runtime import Func, Types
@@ -35,8 +34,8 @@ class CellSearch(NeighbourSearch):
 
 
 @dataclass(frozen=True)
-class _Sight:
-    """What every loop of this file is built of. near: prey, predators, obstacles -> the funcs of their grids."""
+class Sight:
+    """What every walk of large swarms is built of. near: prey, predators, obstacles -> the funcs of their grids."""
 
     layout: ParameterTable
     types: Types
@@ -46,6 +45,7 @@ class _Sight:
 
     @property
     def axes(self) -> range:
+        """Number the axes of the world."""
         return range(len(self.layout.axes))
 
     def away_in(self, kind: str) -> Func:
@@ -71,9 +71,9 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     """
     kinds = ("prey", "predators")
     terms = perception.build_terms(layout, types, see)
-    sight = _Sight(layout, types, see, near, {kind: slots.build(layout, types, see, kind) for kind in kinds})
-    obstacle_of = _obstacles(sight)
-    blocked, look = _avoiding(sight, obstacle_of)
+    sight = Sight(layout, types, see, near, {kind: slots.build(layout, types, see, kind) for kind in kinds})
+    obstacle_of = near_obstacles.build_obstacle(sight)
+    blocked, look = near_obstacles.build_avoiding(sight, obstacle_of)
     return CellSearch(
         gather={kind: _gathering(sight, getattr(terms, kind), kind) for kind in kinds},
         flocked={kind: getattr(terms, kind).flocked for kind in kinds},
@@ -89,7 +89,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     )
 
 
-def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
+def _gathering(sight: Sight, own: Any, kind: str) -> Func:
     """Build what sums up the mates in reach. own: the terms of the kind."""
     away_from, mate_of = sight.away_in(kind), sight.slots[kind].mate_of
     nearest2 = ranking.build(sight, own, kind)
@@ -117,7 +117,7 @@ def _gathering(sight: _Sight, own: Any, kind: str) -> Func:
     return gather
 
 
-def _observing(sight: _Sight, vision: Vision) -> Func:
+def _observing(sight: Sight, vision: Vision) -> Func:
     """Build the walk that lets prey strategies collect what they need of their mates."""
     layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
     from_prey = sight.away_in("prey")
@@ -140,7 +140,7 @@ def _observing(sight: _Sight, vision: Vision) -> Func:
     return sight.near.prey.walks(meet_observed).around
 
 
-def _watching(sight: _Sight, terms: Any, watched: bool) -> Func:
+def _watching(sight: Sight, terms: Any, watched: bool) -> Func:
     """Build the walk that lets prey, and their strategies, see the predators in sight."""
     layout, see, predators = sight.layout, sight.see, sight.slots["predators"]
     narrow = terms.prey.vision.narrow
@@ -168,7 +168,7 @@ def _watching(sight: _Sight, terms: Any, watched: bool) -> Func:
     return sight.crosses("predators", meet_hunter)
 
 
-def _heeding(sight: _Sight, terms: Any) -> Func:
+def _heeding(sight: Sight, terms: Any) -> Func:
     """Build what lets prey see predators, and strategies of prey whom they look at."""
     lanes = sight.types.lanes
     layout, see, prey = sight.layout, sight.see, sight.slots["prey"]
@@ -214,7 +214,7 @@ def _heeding(sight: _Sight, terms: Any) -> Func:
     return heed
 
 
-def _chasing(sight: _Sight, vision: Vision) -> Func:
+def _chasing(sight: Sight, vision: Vision) -> Func:
     """Build what lets a predator strategy look at single prey. vision: the predators'."""
     see, prey = sight.see, sight.slots["prey"]
 
@@ -233,71 +233,3 @@ def _chasing(sight: _Sight, vision: Vision) -> Func:
                     p.strategy.observe(notes, me, prey.seen(me, each, away), away, quarry, weights)
 
     return chase
-
-
-def _obstacles(sight: _Sight) -> Func:
-    real, members = sight.types.real, len(sight.axes) + 1
-    Obstacle = ti.types.struct(**dict.fromkeys(sight.see.Obstacle.members, real))  # noqa: N806 - a type
-
-    @ti.func
-    def obstacle_of(agents: ti.template(), j):
-        return Obstacle(*[agents[j][k] for k in ti.static(range(members))])
-
-    return obstacle_of
-
-
-def _avoiding(sight: _Sight, obstacle_of: Func) -> tuple[Func, Func]:
-    """Build what counts the obstacles that block a course, and what lets an avoidance note more of them."""
-    layout, see, lanes = sight.layout, sight.see, sight.types.lanes
-    from_obstacle = sight.away_in("obstacles")
-
-    def blocks_walk(p: Any) -> Func:
-        @ti.func
-        def meet_blocking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            obstacle = obstacle_of(agents, j)
-            away = from_obstacle(here, agents, j, reals)
-            seen = see.obstacle_seen(view.me, obstacle, away)
-            blocks = p.strategy.blocks(view.me, view.course, away, seen, view.weights)
-            view.found[0] += ti.select(here[0] < 0.5 * FAR, blocks, 0.0)
-
-        return sight.crosses("obstacles", meet_blocking)
-
-    def look_walk(p: Any) -> Func:
-        @ti.func
-        def meet_looking(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-            away = from_obstacle(here, agents, j, reals)
-            seen = see.obstacle_seen(view.me, obstacle_of(agents, j), away)
-            p.strategy.look(view.notes, view.me, view.course, away, seen, view.weights)
-
-        return sight.crosses("obstacles", meet_looking)
-
-    walks = {"blocks": blocks_walk, "look": look_walk}
-    avoiding = {
-        (hook, p.part.name): walk(p)
-        for kind in ("prey", "predators")
-        for hook, walk in walks.items()
-        for p in layout.parts(kind, "avoidance", hook)
-    }
-
-    @ti.func
-    def blocked(p: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights: ti.template()):
-        """Count the obstacles that block the course."""
-        found = [lanes(0.0)]
-        view = Bundle(found=found, me=me, course=course, weights=weights)
-        ti.static([avoiding["blocks", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
-        return found[0]
-
-    @ti.func
-    def look(
-        p: ti.template(),
-        notes: ti.template(),
-        here: ti.template(),
-        me: ti.template(),
-        course: ti.template(),
-        weights: ti.template(),
-    ):
-        """Let an avoidance note what the obstacles tell about the course."""
-        view = Bundle(notes=notes, me=me, course=course, weights=weights)
-        ti.static([avoiding["look", p.part.name]])[0](view, place(me), here.obstacles, here.trial)
-
-    return blocked, look
