@@ -146,3 +146,26 @@ def started(folder: Path) -> Browser:
     if reason:
         pytest.skip(reason)
     return Browser(folder)
+
+
+def shade(code: str) -> np.ndarray:
+    return np.array([int(code[n : n + 2], 16) for n in (1, 3, 5)])
+
+
+def pixels(window, spots: np.ndarray, scene: int = 0) -> np.ndarray:
+    """Map metres to pixels of the stage by what the camera says of itself: [point, 2]."""
+    script = "const {middle, centre, scale} = tiswarm.stage.scenes[arguments[0]].lens; return [middle, centre, scale]"
+    middle, centre, scale = window.run(script, scene)
+    return np.array(middle) + (spots - centre) * np.array([scale, -scale])
+
+
+def assert_agents(window, recording, tick: int, theme) -> None:
+    """Check that each agent's colour is where the recording says, and not where it says for another tick."""
+    picture = window.picture()
+    hues = [shade(theme.prey[group]) for group in recording.prey.group[tick]]
+    for place, hue in zip(recording.prey.position[tick], hues, strict=True):
+        x, y = np.round(pixels(window, place)).astype(int)
+        assert np.abs(picture[y, x] - hue).max() <= 12, (tick, x, y)
+    for place in recording.predators.position[tick]:
+        x, y = np.round(pixels(window, place)).astype(int)
+        assert np.abs(picture[y, x] - shade(theme.predator)).max() <= 12, (tick, x, y)

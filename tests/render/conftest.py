@@ -1,10 +1,13 @@
 """Small recordings made by hand: no simulator is needed to test pictures."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import browser as browsers
 import numpy as np
 import pytest
 
+import render
 import tiswarm
 from tiswarm.records.recording import Recording, Swarm
 
@@ -58,3 +61,40 @@ def chase(make: Maker) -> Recording:
         prey_ends={0: (3, "captured"), 1: (4, "crashed"), 2: (5, "arrived")},
         predator_ends={0: (3, "captured"), 1: (6, "crashed")},
     )
+
+
+@pytest.fixture(scope="module")
+def window(tmp_path_factory):
+    opened = browsers.started(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.driver.quit()
+
+
+@pytest.fixture
+def browser(window):
+    """A window whose pages start still; whatever a test does, they have nothing to complain of."""
+    window.look()
+    yield window
+    assert window.complaints() == []
+
+
+@pytest.fixture(scope="module")
+def calm(make):
+    """Agents that keep their colours: nobody is alarmed."""
+    return make(state="calm", ticks=20)
+
+
+@pytest.fixture(scope="module")
+def page(calm, tmp_path_factory):
+    return render.replay(calm, tmp_path_factory.mktemp("page") / "calm.html")
+
+
+@pytest.fixture(scope="module")
+def deep(make):
+    """Make recordings of a 3-D world."""
+
+    def recording(**how):
+        scenario, where = tiswarm.load("lookout/aquarium"), np.array([[30.0, 20.0, 5.0], [45.0, 40.0, 9.0]])
+        return replace(make(dim=3, **how), scenario=scenario, obstacle_position=where)
+
+    return recording
