@@ -117,16 +117,11 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         return alive_count
 
     @ti.func
-    def judge(
-        prey: ti.template(),
-        predators: ti.template(),
-        obstacles: ti.template(),
-        numbers: ti.template(),
-        clock: ti.template(),
-        b,
-        counts,
-    ):
+    def judge(block: ti.template()):
         """Obstacles and the target kill, then pairs kill, then prey arrive; so a trial can pause between two ticks."""
+        b, counts = block.b, block.counts
+        prey, predators, obstacles = ti.static(block.prey, block.predators, block.obstacles)
+        numbers, clock = ti.static(block.numbers, block.clock)
         moved = ti.select(clock[b, AGE] > 0.5, 1.0, 0.0)
         target = see.target_of(numbers, b)
         if ti.static(hunted):

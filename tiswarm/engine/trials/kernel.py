@@ -26,6 +26,7 @@ from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
+from tiswarm.simd.lanes import Bundle
 from tiswarm.simd.runtime import LANES, TASK, Types
 
 OUTCOMES = {
@@ -72,52 +73,76 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         return told
 
     @ti.func
-    def refill(
-        prey: ti.template(),
-        predators: ti.template(),
-        counts,
-        clock: ti.template(),
-        integer: ti.template(),
-        numbers: ti.template(),
-        table: ti.template(),
-        jobs: ti.template(),
-        queue: ti.template(),
-        results: ti.template(),
-        sums: ti.template(),
-        measured: ti.template(),
-        b,
-    ):
+    def refill(block: ti.template(), work: ti.template()):
         """Write down trials that have ended, and put the queue's next ones into their lanes.
 
         Which lane gets which trial depends on the threads; no result does.
         """
-        strange = strangeness(prey, b, counts[0], layout.agent_rows["prey"])
+        b, counts = block.b, block.counts
+        clock, integer, numbers = ti.static(block.clock, block.integer, block.numbers)
+        strange = strangeness(block.prey, b, counts[0], layout.agent_rows["prey"])
         if ti.static(structure.hunted):
-            strange += strangeness(predators, b, counts[1], layout.agent_rows["predators"])
+            strange += strangeness(block.predators, b, counts[1], layout.agent_rows["predators"])
         finite = ti.select(strange == 0.0, 1, 0)
         for lane in range(LANES):
             if clock[b, DONE][lane] > 0.5:
                 job = ti.cast(integer[b, JOB][lane], ti.i32)
                 for k in ti.static(range(len(outcomes))):
-                    results[job, k] = ti.cast(clock[b, outcomes[k]][lane] + 0.5, ti.i32)
+                    work.results[job, k] = ti.cast(clock[b, outcomes[k]][lane] + 0.5, ti.i32)
                 if finite[lane] == 0:
-                    results[job, 0] = STRANGE
+                    work.results[job, 0] = STRANGE
                 for k in ti.static(range(measures.count)):
                     s = b * measures.height + 2 * k
-                    measured[job, k] = sums[s][lane] / sums[s + 1][lane]  # no state to measure: 0/0, not a number
+                    # 0/0, not a number, where no state was measured
+                    work.measured[job, k] = block.sums[s][lane] / block.sums[s + 1][lane]
                 clock[b, ON][lane] = 0.0
                 clock[b, DONE][lane] = 0.0
             if clock[b, ON][lane] < 0.5:
-                job = ti.atomic_add(queue[0], 1)
-                if job < queue[1]:
+                job = ti.atomic_add(work.queue[0], 1)
+                if job < work.queue[1]:
                     for column in range(columns):
-                        numbers[b * columns + column][lane] = table[jobs[job, 0], column]
+                        numbers[b * columns + column][lane] = work.table[work.jobs[job, 0], column]
                     for k in range(CLOCK_ROWS):
                         clock[b, k][lane] = 0.0
                     clock[b, ON][lane] = 1.0
                     integer[b, JOB][lane] = ti.cast(job, ti.u32)
-                    integer[b, TRIAL][lane] = ti.cast(jobs[job, 1], ti.u32)
+                    integer[b, TRIAL][lane] = ti.cast(work.jobs[job, 1], ti.u32)
                     integer[b, TICK][lane] = ti.u32(0)
+
+    @ti.func
+    def replace(block: ti.template(), work: ti.template()):
+        """Refill lanes whose trials have ended, as long as the queue holds any, and draw the starts of what came in."""
+        b = block.b
+        clock = ti.static(block.clock)
+        ended = clock[b, DONE].max() > 0.5
+        waiting = clock[b, ON].min() < 0.5 and work.queue[0] < work.queue[1]
+        if ended or waiting:
+            refill(block, work)
+            fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
+            starts.spawn(
+                block.prey, block.predators, block.obstacles, block.counts, block.numbers, block.integer, b, fresh,
+                block.key_low, block.key_high,
+            )  # fmt: skip
+            measures.spread_ground(block.sums, block.ground, block.obstacles, block.numbers, b, block.counts[2], fresh)
+
+    @ti.func
+    def tick_of(block: ti.template(), work: ti.template(), left):
+        """Run one tick of a block that may make `left` moves; give how many are left then, -1 when it shall pause."""
+        b = block.b
+        clock, integer = ti.static(block.clock, block.integer)
+        replace(block, work)
+        after = -1
+        if clock[b, ON].max() > 0.5:
+            meetings.judge(block)
+            measures.measure(block.prey, block.numbers, clock, block.sums, block.ground, b, block.counts)
+            if left > 0:
+                after = left - 1
+                moves_of.move_prey(block)
+                if ti.static(structure.hunted):
+                    moves_of.move_predators(block)
+                clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
+                integer[b, TICK] = integer[b, TICK] + ti.u32(1)
+        return after
 
     @ti.kernel
     def advance(
@@ -145,35 +170,14 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
     ):
         for index in range(blocks * TASK):
             if index % TASK == 0:
-                b = index // TASK
-                counts = ti.Vector([prey_count, predator_count, obstacle_count])
+                work = Bundle(table=table, jobs=jobs, queue=queue, results=results, measured=measured)
+                block = Bundle(
+                    prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, clock=clock, integer=integer,
+                    sums=sums, ground=ground, board=board, b=index // TASK,
+                    counts=ti.Vector([prey_count, predator_count, obstacle_count]), key_low=key_low, key_high=key_high,
+                )  # fmt: skip
                 left = moves
-                running = 1
-                while running == 1:
-                    ended = clock[b, DONE].max() > 0.5
-                    waiting = clock[b, ON].min() < 0.5 and queue[0] < queue[1]
-                    if ended or waiting:
-                        refill(prey, predators, counts, clock, integer, numbers, table, jobs, queue, results, sums, measured, b)
-                        fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
-                        starts.spawn(prey, predators, obstacles, counts, numbers, integer, b, fresh, key_low, key_high)
-                        measures.spread_ground(sums, ground, obstacles, numbers, b, obstacle_count, fresh)
-                    if clock[b, ON].max() < 0.5:
-                        running = 0
-                    else:
-                        meetings.judge(prey, predators, obstacles, numbers, clock, b, counts)
-                        measures.measure(prey, numbers, clock, sums, ground, b, counts)
-                        if left == 0:
-                            running = 0
-                        else:
-                            left -= 1
-                            moves_of.move_prey(
-                                prey, predators, obstacles, numbers, clock, integer, b, counts, key_low, key_high
-                            )
-                            if ti.static(structure.hunted):
-                                moves_of.move_predators(
-                                    prey, predators, obstacles, numbers, clock, integer, board, b, counts, key_low, key_high
-                                )
-                            clock[b, AGE] = clock[b, AGE] + (1.0 - clock[b, DONE])
-                            integer[b, TICK] = integer[b, TICK] + ti.u32(1)
+                while left >= 0:
+                    left = tick_of(block, work, left)
 
     return advance, layout, (measures.height, measures.cells)

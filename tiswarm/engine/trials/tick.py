@@ -33,9 +33,10 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
 
     @ti.func
-    def draw_of(integer: ti.template(), b, i, key_low, key_high):
-        index = integers(ti.cast(i, ti.u32))
-        return Bundle(key_low=key_low, key_high=key_high, trial=integer[b, TRIAL], index=index, tick=integer[b, TICK])
+    def draw_of(block: ti.template(), i):
+        b, index = block.b, integers(ti.cast(i, ti.u32))
+        trial, now = block.integer[b, TRIAL], block.integer[b, TICK]
+        return Bundle(key_low=block.key_low, key_high=block.key_high, trial=trial, index=index, tick=now)
 
     @ti.func
     def begin(prey: ti.template(), numbers: ti.template(), b, count, fresh):
@@ -58,19 +59,11 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             driven.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
 
     @ti.func
-    def move_prey(
-        prey: ti.template(),
-        predators: ti.template(),
-        obstacles: ti.template(),
-        numbers: ti.template(),
-        clock: ti.template(),
-        integer: ti.template(),
-        b,
-        counts,
-        key_low,
-        key_high,
-    ):
+    def move_prey(block: ti.template()):
         """Move all prey (steering.py)."""
+        b, counts = block.b, block.counts
+        prey, predators, obstacles = ti.static(block.prey, block.predators, block.obstacles)
+        numbers, clock = ti.static(block.numbers, block.clock)
         if ti.static(driven.starts or "prey" in frame.unicycles):
             fresh = clock[b, AGE] < 0.5
             if anywhere(fresh):
@@ -85,7 +78,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             a = (b * counts[0] + i) * prey_rows
             me = prey_at(prey, a, i, limits)
             here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
-            draw = draw_of(integer, b, i, key_low, key_high)
+            draw = draw_of(block, i)
             driven.prey(here, draw, prey, a, me, numbers, b, swarm, target)
         for i in range(counts[0]):
             steps.prey.commit(prey, (b * counts[0] + i) * prey_rows, numbers, b)
@@ -95,20 +88,11 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             remember(prey, numbers, b, counts[0])
 
     @ti.func
-    def move_predators(
-        prey: ti.template(),
-        predators: ti.template(),
-        obstacles: ti.template(),
-        numbers: ti.template(),
-        clock: ti.template(),
-        integer: ti.template(),
-        board: ti.template(),
-        b,
-        counts,
-        key_low,
-        key_high,
-    ):
+    def move_predators(block: ti.template()):
         """Move all predators (steering.py)."""
+        b, counts = block.b, block.counts
+        prey, predators, obstacles = ti.static(block.prey, block.predators, block.obstacles)
+        numbers, clock = ti.static(block.numbers, block.clock)
         for i in range(counts[1]):
             a = (b * counts[1] + i) * predator_rows
             if ti.static("predators" in frame.unicycles):
@@ -116,7 +100,10 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             if ti.static(frame.verlet):
                 steps.predators.drift(predators, a, numbers, b)
         for survey in ti.static(surveys):
-            survey(prey, predators, board, numbers, integer[b, TRIAL], integer[b, TICK], b, counts, key_low, key_high)
+            survey(
+                prey, predators, block.board, numbers, block.integer[b, TRIAL], block.integer[b, TICK], b, counts,
+                block.key_low, block.key_high,
+            )  # fmt: skip
         quarry = senses.swarm_of(prey, numbers, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)
@@ -124,7 +111,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             a = (b * counts[1] + i) * predator_rows
             me = predator_at(predators, a, i, limits)
             here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
-            draw = draw_of(integer, b, i, key_low, key_high)
+            draw = draw_of(block, i)
             driven.predators(here, draw, predators, a, me, numbers, b, quarry, target)
         for i in range(counts[1]):
             steps.predators.commit(predators, (b * counts[1] + i) * predator_rows, numbers, b)
