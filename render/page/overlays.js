@@ -37,34 +37,66 @@ export function drawOverlays(view, coverage) {
   if (switches.has("links")) links(view);
 }
 
-/** Circle what an agent perceives. @param {View} view @param {number} agent @param {number} alpha */
+/** Straight pieces of the edge of a field of view. */
+const ARC = 48;
+
+/**
+ * Circle what an agent perceives; of one that sees nobody behind it, in a flat world, a sector.
+ * @param {View} view @param {number} agent @param {number} alpha
+ */
 function sight(view, agent, alpha) {
   const { recording, paths, time, lens, below, unit } = view;
   if (!paths.seen(agent, time)) return;
   const [x, y] = pixelOf(view, agent);
-  below.ring(x, y, recording.kind(agent).perception * lens.scale * lens.near, 1.1 * unit, hueOf(view, agent), alpha);
+  const { perception, view: degrees } = recording.kind(agent);
+  const [reach, hue] = [perception * lens.scale * lens.near, hueOf(view, agent)];
+  if (degrees >= 360 || recording.dim > 2) {
+    below.ring(x, y, reach, 1.1 * unit, hue, alpha);
+    return;
+  }
+  const at = (paths.tick(time) * recording.count + agent) * 2;
+  const [across, up] = [recording.velocity[at], recording.velocity[at + 1]];
+  const edge = [[x, y]];
+  for (let k = 0; k <= ARC; k++) {
+    const angle = Math.atan2(-up, across) + (degrees * (k / ARC - 0.5) * Math.PI) / 180;
+    edge.push([x + reach * Math.cos(angle), y + reach * Math.sin(angle)]);
+  }
+  edge.push([x, y]);
+  for (let k = 1; k < edge.length; k++) {
+    below.capsule(edge[k - 1][0], edge[k - 1][1], edge[k][0], edge[k][1], 0.55 * unit, 0.55 * unit, hue, alpha);
+  }
 }
 
 /**
- * Give the mates that an agent has within perception, in its own sub-swarm.
+ * Give the mates that an agent heeds as neighbours: in view, within perception, among the nearest, in its own sub-swarm.
  * @param {Recording} r @param {number} agent @param {number} tick
  */
 export function neighbours(r, agent, tick) {
   const { dim } = r;
   const row = tick * r.count;
   const [first, last] = agent < r.prey ? [0, r.prey] : [r.prey, r.count];
-  const reach = r.kind(agent).perception;
+  const { perception: reach, view: degrees, nearest } = r.kind(agent);
+  const motion = r.velocity.subarray((row + agent) * dim, (row + agent + 1) * dim);
+  const least = Math.cos((degrees * Math.PI) / 360) * Math.hypot(...motion);
+  /** @type {{other: number, distance2: number}[]} */
   const found = [];
   for (let other = first; other < last; other++) {
     if (other === agent || !r.there(other, tick) || r.group[row + other] !== r.group[row + agent]) continue;
-    let distance2 = 0;
+    let [distance2, ahead] = [0, 0];
     for (let axis = 0; axis < dim; axis++) {
       const [a, b] = [(row + agent) * dim + axis, (row + other) * dim + axis];
-      distance2 += r.shortest(r.position[b] - r.position[a], axis) ** 2;
+      const way = r.shortest(r.position[b] - r.position[a], axis);
+      distance2 += way ** 2;
+      ahead += way * motion[axis];
     }
-    if (distance2 < reach ** 2) found.push(other);
+    const inView = degrees >= 360 || ahead >= least * Math.sqrt(distance2);
+    if (inView && distance2 < reach ** 2) found.push({ other, distance2 });
   }
-  return found;
+  if (nearest !== null && nearest < found.length) {
+    const last = found.map((each) => each.distance2).sort((a, b) => a - b)[nearest - 1];
+    return found.filter((each) => each.distance2 <= last).map((each) => each.other);
+  }
+  return found.map((each) => each.other);
 }
 
 /** Join prey that are neighbours. @param {View} view */

@@ -160,6 +160,8 @@ def _told(recording: Recording) -> Header:
             "avoidance": agents.avoidance,
             "radius": agents.radius,
             "perception": agents.perception,
+            "view": agents.field_of_view,
+            "nearest": None if agents.nearest == "all" else agents.nearest,
             "states": [],
             "terms": [],
             "fate": [],

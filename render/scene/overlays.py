@@ -10,6 +10,10 @@ from render.scene.density import Density
 from render.scene.snapshot import Snapshot
 from render.scene.trajectories import Trajectories
 from render.theme import Theme
+from tiswarm.space.sight import in_view, nearest_of
+
+ARC = 48
+"""Straight pieces of the edge of a field of view."""
 
 LINKED = 2000
 """With more agents than this, links between neighbours would cover everything, and are left out."""
@@ -26,6 +30,9 @@ class Overlays:
         scenarios = [subject.scenario for subject in paths.subjects]
         sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
         self._sight = sights[paths.scene, paths.is_prey.astype(int)]
+        flat = np.array([scenario.world.dim == 2 for scenario in scenarios])
+        views = np.array([(scenario.predators.field_of_view, scenario.prey.field_of_view) for scenario in scenarios])
+        self._view = np.where(flat[:, None], views, 360.0)[paths.scene, paths.is_prey.astype(int)]
 
     def below(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what lies under the agents. windows: as in `Scene.frame`."""
@@ -47,10 +54,20 @@ class Overlays:
         return rows
 
     def _perception(self, here: Snapshot, camera: Camera) -> np.ndarray:
-        """Circle what agents perceive."""
+        """Circle what agents perceive; of who sees nobody behind it, in a flat world, a sector."""
         hues = np.array([colour(self._theme.predator), colour(self._theme.prey[0])])[self._paths.is_prey[here.who].astype(int)]
-        circles = rings(here.centre, self._sight[here.who] * camera.scale * here.near, 1.1 * self._unit, hues, 0.28)
-        return self._cut(circles, here.who)
+        reach, round_about = self._sight[here.who] * camera.scale * here.near, self._view[here.who] >= 360
+        circles = rings(here.centre[round_about], reach[round_about], 1.1 * self._unit, hues[round_about], 0.28)
+        rows = [self._cut(circles, here.who[round_about])]
+        for k in np.flatnonzero(~round_about):
+            across = np.radians(self._view[here.who[k]]) * np.linspace(-0.5, 0.5, ARC + 1)
+            angle = np.arctan2(here.heading[k, 1], here.heading[k, 0]) + across
+            edge = here.centre[k] + reach[k] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            outline = np.concatenate([here.centre[k : k + 1], edge, here.centre[k : k + 1]])
+            thick = 0.55 * self._unit
+            pieces = capsules(outline[:-1], outline[1:], thick, thick, hues[k], 0.28, group=k + 1)
+            rows.append(self._cut(pieces, np.repeat(here.who[k], len(pieces))))
+        return np.concatenate(rows)
 
     def _velocity(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Draw where each agent will be in three ticks if it goes straight on."""
@@ -61,7 +78,7 @@ class Overlays:
         return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
 
     def _links(self, here: Snapshot, camera: Camera) -> np.ndarray:
-        """Join prey that are neighbours: within perception of each other, and of the same sub-swarm."""
+        """Join prey that heed each other as neighbours: in view, within perception, among the nearest, of one sub-swarm."""
         paths, rows = self._paths, [NONE]
         group = paths.groups(here.time)
         hue, thick = mixed(colour(self._theme.prey[0]), self._theme["ink"], 0.3), 0.7 * self._unit
@@ -73,11 +90,14 @@ class Overlays:
             spots = here.spot[flock]
             steps = paths.shortest(spots[None] - spots[:, None], flock)
             apart, sight = np.linalg.norm(steps, axis=2), self._sight[flock[0]]
-            a, b = ((apart < sight) & (group[flock][:, None] == group[flock][None])).nonzero()
+            prey_rules = paths.subjects[scene].scenario.prey
+            counts = (apart < sight) & (group[flock][:, None] == group[flock][None]) & ~np.eye(len(flock), dtype=bool)
+            counts &= in_view(steps, paths.speeds(here.time, flock), prey_rules.field_of_view)
+            a, b = nearest_of(apart, counts, prey_rules.nearest).nonzero()
             own, step = camera.of(flock[a]), steps[a, b]
             # Across an edge of a periodic world each of the two draws its own half of the way, and no more.
             start = own.place(spots[a])
             middle = own.place(spots[a] + step / 2)
             links = capsules(start, middle, thick, thick, hue, 0.08 + 0.5 * (1 - apart[a, b] / sight))
-            rows.append(self._cut(links[a != b], flock[a[a != b]]))
+            rows.append(self._cut(links, flock[a]))
         return np.concatenate(rows)

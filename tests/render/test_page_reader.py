@@ -136,6 +136,20 @@ def test_the_card_says_what_the_recording_holds(browser, page, calm):
     assert f"neighbours{mates.sum()}" in words
 
 
+def test_neighbours_are_those_whom_the_agent_heeds(browser, calm, tmp_path):
+    place, velocity = calm.prey.position[7], calm.prey.velocity[7]
+    for degrees, nearest in ((140, "all"), (360, 2), (200, 1)):
+        narrow = replace(calm, scenario=calm.scenario.replaced({"prey.field_of_view": degrees, "prey.nearest": nearest}))
+        browser.open(render.replay(narrow, tmp_path / "narrow.html", exact=True), "#tick=7&agent=3")
+        browser.drawn()
+        way = place - place[2]
+        apart = np.linalg.norm(way, axis=1)
+        counts = (apart > 0) & (apart < calm.scenario.prey.perception) & (calm.prey.group[7] == calm.prey.group[7, 2])
+        counts &= way @ velocity[2] >= np.cos(np.radians(degrees) / 2) * apart * np.hypot(*velocity[2])
+        expected = counts.sum() if nearest == "all" else min(counts.sum(), nearest)
+        assert f"neighbours{expected}" in browser.text("card")
+
+
 @pytest.mark.parametrize("exact", [False, True])
 def test_terms_add_up_to_the_change_of_velocity(browser, termed, tmp_path, exact):
     browser.open(render.replay(termed, tmp_path / "terms.html", exact=exact), "#tick=4&agent=8")

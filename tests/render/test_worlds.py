@@ -115,6 +115,26 @@ def test_neighbours_across_an_edge_are_linked_across_it():
     assert not ((columns > 60) & (columns < 340)).any()
 
 
+def test_who_sees_nobody_behind_it_is_drawn_with_what_it_sees():
+    x = np.array([[12.0, 10.0], [20.0, 10.0], [28.0, 10.0]])
+    swarm = path(np.stack([x, x + np.array([1.0, 0.0])]), np.array([1.0, 0.0]))
+
+    def overlaid(overlay, **rule):
+        recording = world(swarm, **{"prey.perception": 9, **rule})
+        stage, with_it = picture(recording, 0.0, overlay=(overlay,), trail=0)
+        return stage, np.abs(with_it - picture(recording, 0.0, trail=0)[1]).max(axis=2) > 4
+
+    stage, around = overlaid("perception")
+    behind = int(stage.rigs[0].at(0.0).place(np.array([[3.0, 10.0]]))[0, 0])
+    assert around[:, behind - 3 : behind + 3].any()
+    _, ahead = overlaid("perception", **{"prey.field_of_view": 180})
+    assert ahead.any()
+    assert not ahead[:, behind - 3 : behind + 3].any()
+    _, linked = overlaid("links")
+    _, half = overlaid("links", **{"prey.field_of_view": 180})  # each draws its own half of the way to those it heeds
+    assert 0 < half.sum() < 0.7 * linked.sum()
+
+
 def test_walls_are_drawn_where_there_are_walls():
     still = path(np.full((2, 1, 2), 5.0), np.zeros(2))
     stage, walled = picture(world(still, **{"world.boundary": "walls"}), 0.0)

@@ -199,10 +199,11 @@ class Simulation:
         """Give the agents as they are now, as one tick of a recording: arrays [agent, ...]."""
         own = _kind(kind)
         position, others = self.position(own), self.position("predators" if own == "prey" else "prey")
-        state = named(self.scenario, own, position, others, self._own.memory(own))
+        velocity = self.velocity(own)
+        state = named(self.scenario, own, position, velocity, others, self._own.memory(own))
         surveyed = self._own.groups(own)
         group = grouped(self.scenario, own, len(position)) if surveyed is None else surveyed.astype(np.int32)
-        return Moment(position, self.velocity(own), self.fate(own), state, group)
+        return Moment(position, velocity, self.fate(own), state, group)
 
     def set(self, changes: Mapping[str, Any]) -> None:
         """Change numbers of the scenario from now on: {"prey.weights.evade": 0.2, "predators.max_speed": 3}.

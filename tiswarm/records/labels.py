@@ -6,6 +6,7 @@ import numpy as np
 
 from tiswarm.scenario.model import Scenario
 from tiswarm.space import box
+from tiswarm.space.sight import in_view
 from tiswarm.strategies import registry
 
 Memories = Mapping[str, Mapping[str, np.ndarray]]
@@ -16,16 +17,25 @@ MOST_PAIRS = 10_000_000
 _ROWS = 1_000_000  # pairs compared at once
 
 
-def named(scenario: Scenario, kind: registry.Kind, position: np.ndarray, others: np.ndarray, memories: Memories) -> np.ndarray:
+def named(
+    scenario: Scenario,
+    kind: registry.Kind,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    others: np.ndarray,
+    memories: Memories,
+) -> np.ndarray:
     """Name each agent's state: what its strategy says, else alarmed when it sees an opponent, else calm: [agent].
 
-    position, others: [agent, dim], m, NaN for those who are gone; memories: strategy -> name -> [agent].
+    position, velocity: [agent, dim], m and m/s, others: [other, dim], m, NaN for those who are gone.
+    memories: strategy -> name -> [agent].
     """
     agents = getattr(scenario, kind)
     state = np.full(len(position), "calm", dtype="<U12")
     if len(position) * len(others) <= MOST_PAIRS:
         period = box.period(scenario.world.size, scenario.world.boundary) * scenario.world.wrap_sight
-        state[_seen(position, others[np.isfinite(others[:, 0])], agents.perception, period[:2])] = "alarmed"
+        there = others[np.isfinite(others[:, 0])]
+        state[_seen(position, velocity, there, agents.perception, agents.field_of_view, period)] = "alarmed"
     for name, memory in memories.items():
         if memory:
             for label, members in registry.load(kind, name).states(memory, agents.weights).items():
@@ -34,13 +44,17 @@ def named(scenario: Scenario, kind: registry.Kind, position: np.ndarray, others:
     return state
 
 
-def _seen(position: np.ndarray, others: np.ndarray, perception: float, period: np.ndarray) -> np.ndarray:
-    """Tell who has any of the others within perception, as the crow flies in the plane: [agent], bool."""
+def _seen(
+    position: np.ndarray, velocity: np.ndarray, others: np.ndarray, perception: float, field_of_view: float, period: np.ndarray
+) -> np.ndarray:
+    """Tell who has any of the others in view and within perception, as the crow flies in the plane: [agent], bool."""
     found = np.zeros(len(position), bool)
     rows = max(_ROWS // max(len(others), 1), 1)
     for first in range(0, len(position) if len(others) else 0, rows):
-        away = box.displacement(position[first : first + rows, None, :2] - others[None, :, :2], period)
-        found[first : first + rows] = (np.hypot(away[..., 0], away[..., 1]) <= perception).any(axis=1)
+        own = slice(first, first + rows)
+        away = box.displacement(position[own, None] - others[None], period)
+        near = np.hypot(away[..., 0], away[..., 1]) <= perception
+        found[own] = (near & in_view(-away, velocity[own], field_of_view)).any(axis=1)
     return found
 
 

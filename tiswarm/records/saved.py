@@ -68,7 +68,8 @@ def _recording(told: Any) -> Recording:
     pairs: tuple[tuple[registry.Kind, registry.Kind], ...] = (("prey", "predators"), ("predators", "prey"))
     for kind, other in pairs:
         (position, velocity), rivals = paths[kind], paths[other][0]
-        state = np.stack([named(scenario, kind, own, others, {}) for own, others in zip(position, rivals, strict=True)])
+        moments = zip(position, velocity, rivals, strict=True)
+        state = np.stack([named(scenario, kind, own, speeds, others, {}) for own, speeds, others in moments])
         group = np.full(state.shape, -1, np.int32)
         fate = _fates(scenario, kind, position, velocity, rivals, centres, radii)
         swarms[kind] = Swarm(position, velocity, fate, state, group)

@@ -135,8 +135,9 @@ class Swarm(SwarmState):
         other = "predators" if kind == "prey" else "prey"
         position = self.position(kind)[0]
         memories = {name: {key: rows[0] for key, rows in each.items()} for name, each in self.memory(kind).items()}
-        state = named(self.scenario, kind, position, self.position(other)[0], memories)
-        return Moment(position, self.velocity(kind)[0], self.fate(kind)[0], state, grouped(self.scenario, kind, len(position)))
+        velocity = self.velocity(kind)[0]
+        state = named(self.scenario, kind, position, velocity, self.position(other)[0], memories)
+        return Moment(position, velocity, self.fate(kind)[0], state, grouped(self.scenario, kind, len(position)))
 
     def record(self) -> Recording:
         """Run the first trial to its end and keep its path."""
