@@ -9,8 +9,9 @@ from tiswarm.strategies import registry
 
 INTRODUCTION = """# Strategies
 
-What `prey.strategy`, `predators.strategy` and the `avoidance` of both may be, with the weights that `[prey.weights]` and `[predators.weights]`
-may set. [Contributing](../contributing.md#add-a-strategy) tells how to write one; so does a [tutorial](../tutorials/own_strategy.md).
+What `prey.strategy`, `predators.strategy` and the `avoidance` of both may be, with the weights that `[prey.weights]` and
+`[predators.weights]` may set. [Contributing](../contributing.md#add-a-strategy) tells how to write one; so does a
+[tutorial](../tutorials/own_strategy.md).
 """
 
 TITLES = {"prey": "Prey", "predators": "Predators", "avoidance": "Avoidance of obstacles"}

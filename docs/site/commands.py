@@ -8,9 +8,9 @@ from tiswarm.cli.entry import app
 
 INTRODUCTION = """# Command line
 
-Every verb takes `--seed`, `--threads`, `--precision f32|f64`, `--quiet` and `--help`. Exit codes: 0; 2 for wrong input, 1 for a fault of the
-machine (no space, no memory), both with one line on standard error; 130 after Ctrl-C. `tiswarm --version` tells the versions of tiswarm, Taichi and
-ffmpeg.
+Every verb takes `--seed`, `--threads`, `--precision f32|f64`, `--quiet` and `--help`. Exit codes: 0; 2 for wrong input, 1 for a
+fault of the machine (no space, no memory), both with one line on standard error; 130 after Ctrl-C. `tiswarm --version` tells
+the versions of tiswarm, Taichi and ffmpeg.
 """
 
 
@@ -19,7 +19,11 @@ def page() -> str:
     parts = [INTRODUCTION]
     for name, verb in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
         usage = " ".join(_shown(each) for each in verb.params if each.param_type_name == "argument")
-        parts += [f"## `tiswarm {name}`\n", f"```console\ntiswarm {name} {usage}".rstrip() + " [OPTIONS]\n```\n", f"{verb.help}\n"]
+        parts += [
+            f"## `tiswarm {name}`\n",
+            f"```console\ntiswarm {name} {usage}".rstrip() + " [OPTIONS]\n```\n",
+            f"{verb.help}\n",
+        ]
         rows = [_row(each) for each in verb.params]
         parts += ["| | | default |", "|---|---|---|", *rows, ""]
     return "\n".join(parts)

@@ -1,4 +1,7 @@
-"""Frames: draw a frame for each preset of the gallery that has none, or for those that are named: python docs/site/frames.py [PRESET...]."""
+"""Frames: draw a frame for each preset of the gallery that has none, or for those that are named.
+
+python docs/site/frames.py [PRESET...]
+"""
 
 import sys
 

@@ -6,9 +6,14 @@ from tiswarm.scenario import presets
 
 FRAMES = Path(__file__).parents[1] / "gallery"
 
-INTRODUCTION = """# Gallery
+INTRODUCTION = """---
+hide: [navigation]
+---
 
-Every preset that comes with tiswarm: a frame of its film, the command that makes the film, and the file as a start for one of your own.
+# Gallery
+
+Every preset that comes with tiswarm: a frame of its film, the command that makes the film, and the file as a start for one of
+your own.
 """
 
 TITLES = {

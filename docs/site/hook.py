@@ -1,4 +1,4 @@
-"""Hook: what MkDocs builds beyond the pages in docs/: reference, gallery and tutorials made from the code, and the house's pages."""
+"""Hook: what MkDocs builds beyond the pages in docs/: reference, gallery and tutorials, made from the code."""
 
 import re
 from pathlib import Path

@@ -8,8 +8,9 @@ from tiswarm.scenario.model import Scenario
 INTRODUCTION = """# Preset keys
 
 A preset is a TOML file of these tables; what it leaves out has the default. `--set KEY=VALUE` changes one on the command line,
-`tiswarm.load(preset, {"KEY": value})` in Python, and a study's axes are keys, too. `tiswarm show --schema` prints all this as a JSON Schema, which
-editors understand; `tiswarm show PRESET` prints a preset with everything filled in. Weights are the numbers of a strategy: [Strategies](strategies.md).
+`tiswarm.load(preset, {"KEY": value})` in Python, and a study's axes are keys, too. `tiswarm show --schema` prints all this as a
+JSON Schema, which editors understand; `tiswarm show PRESET` prints a preset with everything filled in. Weights are the numbers
+of a strategy: [Strategies](strategies.md).
 
 Lengths are metres, times seconds; places and regions have two numbers an axis, three in space.
 """
@@ -25,7 +26,11 @@ def page() -> str:
     for name, about in schema["properties"].items():
         part = _referred(about)
         if part:
-            parts += [f"## `[{name}]`\n", tables[part]["description"] + "\n", _table(tables[part]["properties"], tables, f"{name}.")]
+            parts += [
+                f"## `[{name}]` {{ #{name} }}\n",
+                tables[part]["description"] + "\n",
+                _table(tables[part]["properties"], tables, f"{name}."),
+            ]
     return "\n".join(parts)
 
 
@@ -101,5 +106,5 @@ def _range(low: float | None, high: float | None) -> str:
     if low is None and high is None:
         return ""
     if high is None or high >= 1e6:
-        return "" if low is None or low <= -1e6 else f" >= {low:g}"
+        return "" if low is None or low <= -1e6 else " above 0" if 0 < low <= 1e-6 else f", {low:g} or more"
     return f", {low:g} to {high:g}"

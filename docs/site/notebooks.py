@@ -14,6 +14,9 @@ from nbclient import NotebookClient
 
 TUTORIALS = Path(__file__).parents[1] / "tutorials"
 
+ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
+"""What makes words bold in a terminal and in a notebook, and is noise on a page."""
+
 DATA = re.compile(r'src="data:video/mp4;base64,([^"]+)"')
 
 
@@ -58,7 +61,7 @@ def _page(notebook: Any, name: str) -> dict[str, str | bytes]:
 def _shown(output: Any, name: str, files: dict[str, str | bytes]) -> str:
     """Show what a cell gave, pictures and films as files of their own."""
     if output.output_type == "stream":
-        return _text(output.text)
+        return _text(output.text) if output.name == "stdout" else ""
     data = output.data
     if "image/png" in data:
         return f"![What the cell drew]({_kept(base64.b64decode(data['image/png']), 'png', name, files)})"
@@ -71,7 +74,7 @@ def _shown(output: Any, name: str, files: dict[str, str | bytes]) -> str:
 
 
 def _text(text: str) -> str:
-    return f'```text title="Output"\n{text.rstrip()}\n```'
+    return f'```text title="Output"\n{ESCAPES.sub("", text).rstrip()}\n```'
 
 
 def _kept(content: bytes, suffix: str, name: str, files: dict[str, str | bytes]) -> str:

@@ -6,7 +6,7 @@
 # %%
 from pathlib import Path
 
-Path("study.toml").write_text("""
+_ = Path("study.toml").write_text("""
 title = "How hard to pull, and how to avoid"
 base = "delft/avoidance-10"
 trials = 400
@@ -21,8 +21,7 @@ key = "prey.goal"
 low = 0.05
 high = 0.2
 steps = 3
-""");
-
+""")
 # %%
 import subprocess
 import sys

@@ -3,6 +3,7 @@
 import ast
 import inspect
 import io
+import textwrap
 import tokenize
 from functools import cache
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 @cache
 def comments(table: type[Any]) -> dict[str, str]:
     """Map the keys that a table states itself to their comments: beside them, or else in the lines right above them."""
-    source = inspect.getsource(table)
+    source = textwrap.dedent(inspect.getsource(table))
     beside, above = _comments_of(source)
     found = {}
     for node in ast.parse(source).body[0].body:  # type: ignore[attr-defined]

@@ -46,7 +46,7 @@ class Area(Part):
     """A labelled part of the world that a film tints, such as the thesis's danger area."""
 
     label: str  # what the film writes there
-    region: Box  # m
+    region: Box  # m, what is tinted
 
 
 class World(Part):
@@ -54,7 +54,7 @@ class World(Part):
 
     size: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=3)] = (100.0, 50.0)  # m; a corner is the origin
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
-    dt: Positive = 1.0  # s
+    dt: Positive = 1.0  # s, how long a tick is
     # What gains, fields and strategies add to a velocity is meant a tick, however long, or a second: halving dt then converges.
     gains: Literal["per-tick", "per-second"] = "per-tick"
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
@@ -86,8 +86,8 @@ class Target(Part):
     """The disc that prey want to reach."""
 
     present: bool = True  # whether there is one
-    position: Point = (10.0, 25.0)  # m
-    radius: Positive = 4.0  # m
+    position: Point = (10.0, 25.0)  # m, of its centre
+    radius: Positive = 4.0  # m, of the disc or sphere
 
 
 class Obstacles(Part):
@@ -109,8 +109,8 @@ class Obstacles(Part):
 class Spawn(Part):
     """Where agents start and how fast, uniform in both boxes."""
 
-    region: Box  # m
-    velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))  # m/s
+    region: Box  # m, where they start
+    velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))  # m/s, how fast
     shape: Literal["box", "ball"] = "box"  # ball: in the largest ellipsoid inside the region
     capped: bool = False  # whether max_speed holds from the start
 
@@ -124,11 +124,11 @@ class Agents(Part):
     radius: NotNegative  # m, of a body
     perception: NotNegative  # m, how far they see
     spacing: NotNegative = 3.0  # m, closer mates are separated from
-    max_speed: Positive = 1.0  # m/s
-    min_speed: NotNegative = 0.0  # m/s
+    max_speed: Positive = 1.0  # m/s, nobody is faster
+    min_speed: NotNegative = 0.0  # m/s, nobody is slower
     drive: Literal["point", "unicycle"] = "point"  # unicycle: a point `ahead` of the axle follows the commanded velocity
-    ahead: Positive = 0.05  # m
-    max_turn: Positive = 3.636  # rad/s
+    ahead: Positive = 0.05  # m, from the axle to the point that follows
+    max_turn: Positive = 3.636  # rad/s, no unicycle turns faster
     # Gains add to the velocity in every tick; under world.gains = "per-second" they are divided by s once more.
     cohesion: Real = 0.005  # of the way to the mates' centre [1/s a tick]
     separation: Real = 0.05  # of the sum of ways from mates within `spacing` [1/s a tick]
