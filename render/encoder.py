@@ -213,6 +213,15 @@ def find_ffmpeg() -> str:
     return found
 
 
+def version_of_ffmpeg() -> str:
+    """Tell the encoder's version, or why there is none, in a line."""
+    try:
+        told = subprocess.run([find_ffmpeg(), "-version"], capture_output=True, text=True, check=True, timeout=10).stdout
+    except (FilmError, OSError, subprocess.SubprocessError) as error:
+        return f"that {error}" if isinstance(error, FilmError) else "that does not answer"
+    return told.partition(" Copyright")[0].removeprefix("ffmpeg version ")
+
+
 def _command(output: str, size: tuple[int, int], rate: Fraction, form: Format, notes: dict[str, str]) -> list[str]:
     pixels = ("-pix_fmt", "yuv420p", *COLOURS) if form.yuv else ("-pix_fmt", "rgb24")
     raw = ("-f", "rawvideo", *pixels, "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "pipe:0", "-an")

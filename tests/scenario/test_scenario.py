@@ -163,6 +163,16 @@ def test_the_schema_takes_every_preset_and_refuses_what_the_loader_refuses():
         assert not checker.is_valid(wrong), wrong
 
 
+def test_the_schema_says_what_every_key_is():
+    schema = Scenario.model_json_schema()
+    tables = {**schema["$defs"], "Scenario": schema}
+    for name, table in tables.items():
+        for key, about in table.get("properties", {}).items():
+            refers = "$ref" in about  # a table of its own, or a region
+            assert about.get("description") or refers or key == "preset", f"{name}.{key} has no comment beside it"
+    assert "centre" in schema["$defs"]["Prey"]["properties"]["cohesion"]["description"]  # of a table that it extends
+
+
 def test_another_strategy_drops_the_weights_that_it_does_not_know():
     scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": "evasive", "prey.weights.evade": 0.5})
     assert scenario.replaced({"prey.avoidance": "none"}).prey.weights == {"evade": 0.5}

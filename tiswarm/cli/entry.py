@@ -22,7 +22,6 @@ from tiswarm.system.words import fault, safe
 app = typer.Typer(
     name="tiswarm",
     help="Predator-prey swarms: thousands of trials in parallel, published tables, films.",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -90,10 +89,28 @@ def _close_output() -> None:
 
 @app.callback(invoke_without_command=True)
 def _about(
-    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the versions of tiswarm, Taichi and ffmpeg, and stop.")
+    ] = False,
 ) -> None:
     if context.invoked_subcommand is None and not version:
         out.print(context.get_help())
     if version:
-        out.print(f"tiswarm {__version__}")
+        out.print("\n".join(_versions()))
         raise typer.Exit
+
+
+def _versions() -> list[str]:
+    """Tell the versions that a report of a fault needs: ours, and of what does the work."""
+    import platform
+    from importlib.metadata import version
+
+    from render.encoder import version_of_ffmpeg
+
+    return [
+        f"tiswarm {__version__}",
+        f"Python {platform.python_version()} on {platform.platform()}",
+        f"Taichi {version('taichi')}",
+        f"ffmpeg {version_of_ffmpeg()}",
+    ]

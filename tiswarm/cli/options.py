@@ -23,8 +23,21 @@ class _Output(Console):
 
 out = _Output(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 150)
 
+
+def _beginning_with(start: str) -> list[str]:
+    """List the presets that a shell may complete to."""
+    from tiswarm.scenario import presets
+
+    return [name for name in presets.presets() if name.startswith(start)]
+
+
 Preset = Annotated[
-    str, typer.Argument(metavar="PRESET", help="A preset's name (see 'tiswarm presets') or the path of a TOML file.")
+    str,
+    typer.Argument(
+        metavar="PRESET",
+        help="A preset's name (see 'tiswarm presets') or the path of a TOML file.",
+        autocompletion=_beginning_with,
+    ),
 ]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of all random numbers.")]
 Threads = Annotated[

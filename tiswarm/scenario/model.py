@@ -47,8 +47,8 @@ Avoidance = Annotated[str, _one_of("avoidance")]
 class Area(Part):
     """A labelled part of the world that a film tints, such as the thesis's danger area."""
 
-    label: str
-    region: Box
+    label: str  # what the film writes there
+    region: Box  # m, what is tinted
 
 
 class World(Part):
@@ -56,7 +56,7 @@ class World(Part):
 
     size: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=3)] = (100.0, 50.0)  # m; a corner is the origin
     ticks: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 250  # a trial ends here at the latest
-    dt: Positive = 1.0  # s
+    dt: Positive = 1.0  # s, how long a tick is
     # What gains, fields and strategies add to a velocity is meant a tick, however long, or a second: halving dt then converges.
     gains: Literal["per-tick", "per-second"] = "per-tick"
     scheme: Literal["euler", "verlet"] = "euler"  # semi-implicit Euler, or drift, kick, drift
@@ -70,7 +70,7 @@ class World(Part):
     contact_test: Literal["places", "swept"] = "swept"
     # How agents find their neighbours: by comparing all pairs, through a grid, or whichever is faster for so many.
     neighbours: Literal["auto", "all-pairs", "grid"] = "auto"
-    areas: tuple[Area, ...] = ()
+    areas: tuple[Area, ...] = ()  # what films tint; no agent knows of them
 
     @property
     def dim(self) -> int:
@@ -87,17 +87,17 @@ class World(Part):
 class Target(Part):
     """The disc that prey want to reach."""
 
-    present: bool = True
-    position: Point = (10.0, 25.0)  # m
-    radius: Positive = 4.0  # m
+    present: bool = True  # whether there is one
+    position: Point = (10.0, 25.0)  # m, of its centre
+    radius: Positive = 4.0  # m, of the disc or sphere
 
 
 class Obstacles(Part):
     """Discs or spheres; each trial has its own."""
 
-    count: Count = 0
+    count: Count = 0  # how many a trial has
     radius: tuple[NotNegative, NotNegative] = (1.0, 2.0)  # m, uniform in this range
-    region: Box = Box(low=(17.5, 0.0), high=(70.0, 50.0))
+    region: Box = Box(low=(17.5, 0.0), high=(70.0, 50.0))  # m, where their centres lie
     clear: bool = False  # whether they keep off the target and the region where prey start
     contact: Literal["crash", "count"] = "crash"  # touching one kills, or is only counted (measure "hits")
 
@@ -111,8 +111,8 @@ class Obstacles(Part):
 class Spawn(Part):
     """Where agents start and how fast, uniform in both boxes."""
 
-    region: Box
-    velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))
+    region: Box  # m, where they start
+    velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))  # m/s, how fast
     shape: Literal["box", "ball"] = "box"  # ball: in the largest ellipsoid inside the region
     capped: bool = False  # whether max_speed holds from the start
 
@@ -120,25 +120,25 @@ class Spawn(Part):
 class Agents(Part):
     """What prey and predators have in common."""
 
-    count: Count
-    strategy: str
-    avoidance: Avoidance
-    radius: NotNegative  # m
-    perception: NotNegative  # m
+    count: Count  # how many
+    strategy: str  # how they steer, a name from `tiswarm presets`
+    avoidance: Avoidance  # how they keep off obstacles, a name from `tiswarm presets`
+    radius: NotNegative  # m, of a body
+    perception: NotNegative  # m, how far they see
     field_of_view: Degrees = 360.0  # centred on the velocity; mates and opponents outside it are not seen
     nearest: Nearest = "all"  # how many of the mates in sight count, the nearest ones
     spacing: NotNegative = 3.0  # m, closer mates are separated from
-    max_speed: Positive = 1.0  # m/s
-    min_speed: NotNegative = 0.0  # m/s
+    max_speed: Positive = 1.0  # m/s, nobody is faster
+    min_speed: NotNegative = 0.0  # m/s, nobody is slower
     drive: Literal["point", "unicycle"] = "point"  # unicycle: a point `ahead` of the axle follows the commanded velocity
-    ahead: Positive = 0.05  # m
-    max_turn: Positive = 3.636  # rad/s
+    ahead: Positive = 0.05  # m, from the axle to the point that follows
+    max_turn: Positive = 3.636  # rad/s, no unicycle turns faster
     # Gains add to the velocity in every tick; under world.gains = "per-second" they are divided by s once more.
     cohesion: Real = 0.005  # of the way to the mates' centre [1/s a tick]
     separation: Real = 0.05  # of the sum of ways from mates within `spacing` [1/s a tick]
     alignment: Real = 0.05  # of the difference to the mates' velocity [1/tick]
-    goal: Real = 0.1  # prey: of the way to the target [1/s a tick]; predators: of the way to what they pursue
-    spawn: Spawn
+    goal: Real = 0.1  # prey: of the way to the target; predators: of the way to what they pursue [1/s a tick]
+    spawn: Spawn  # where they start, and how fast
     weights: Annotated[dict[str, Number | str], AfterValidator(Weights)] = Field(
         default_factory=Weights
     )  # of the strategy and of the avoidance
@@ -208,28 +208,28 @@ class Coverage(Part):
 class Measures(Part):
     """What is measured while a trial runs, beyond who arrived: see `recorded.py`, and `deadlocks.py` for who is trapped."""
 
-    names: tuple[Measure, ...] = ()
+    names: tuple[Measure, ...] = ()  # what is measured
     after: Annotated[int, Field(strict=True, ge=0)] = 0  # means are over the states from this tick on, the last one at least
     distance: Positive = 1.0  # agents nearer than this are of one group [m]
     # Trapped is who for `window` ticks stays `within` a distance of where it was [m] on a way of `path` metres or more.
     window: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 40
-    within: Positive = 4.0
-    path: Positive = 20.0
+    within: Positive = 4.0  # m, see `window`
+    path: Positive = 20.0  # m, see `window`
 
 
 class Showcase(Part):
     """The trial that `tiswarm demo` films."""
 
-    seed: Annotated[int, Field(strict=True, ge=0)] = 0
-    trial: Annotated[int, Field(strict=True, ge=0)] = 0
+    seed: Annotated[int, Field(strict=True, ge=0)] = 0  # of all its random numbers
+    trial: Annotated[int, Field(strict=True, ge=0)] = 0  # its number
 
 
 class Scenario(Part):
     """A whole scenario: everything that a trial needs but its seed and number."""
 
     preset: str = ""  # what it was loaded from; a file's name without its folder
-    title: str = "Untitled"
-    source: str = ""
+    title: str = "Untitled"  # what it is, in a line: the title of films and tables
+    source: str = ""  # where it comes from
     showcase: Showcase = Showcase()
     world: World = World()
     target: Target = Target()
@@ -260,7 +260,7 @@ class Scenario(Part):
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
         """Let presets take from a base, and name the strategies that there are."""
-        schema = handler.resolve_ref_schema(handler(core_schema))
+        schema = super().__get_pydantic_json_schema__(core_schema, handler)
         schema["properties"]["base"] = {"type": "string", "description": "A preset that this one changes."}
         return schema
 

@@ -5,6 +5,8 @@ from typing import Annotated, Any, Literal, NoReturn, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from tiswarm.scenario.described import description
+
 MOST_AGENTS = 4_000_000
 
 LIMIT = 1e6
@@ -50,6 +52,16 @@ class Part(BaseModel):
     """A frozen part of a scenario that knows no keys but its own."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        """Let the schema say what each key is."""
+        schema: dict[str, Any] = handler.resolve_ref_schema(handler(core_schema))
+        for key, about in schema.get("properties", {}).items():
+            told = description(cls, key)
+            if told:
+                about.setdefault("description", told)
+        return schema
 
 
 def _ordered(low: Sequence[float], high: Sequence[float], what: str) -> None:
