@@ -1,10 +1,14 @@
 """Gallery: every preset with a frame of its film, the command and its TOML. `python docs/site/frames.py` draws the frames."""
 
+from math import ceil
 from pathlib import Path
 
 from tiswarm.scenario import presets
 
 FRAMES = Path(__file__).parents[1] / "gallery"
+
+LONGEST = 60
+"""Seconds that a film of the gallery plays; films show ten ticks a second unless they are told otherwise."""
 
 INTRODUCTION = """---
 hide: [navigation]
@@ -31,9 +35,12 @@ def frame_of(name: str) -> Path:
 
 
 def command_for(name: str) -> str:
-    """Say which command films a preset."""
+    """Say which command films a preset, in a minute at most."""
     folder, _, plain = name.partition("/")
-    return f"tiswarm demo {plain}" if folder == "demo" else f"tiswarm film {name}"
+    if folder == "demo":
+        return f"tiswarm demo {plain}"
+    ticks = presets.load(name).world.ticks
+    return f"tiswarm film {name}" + (f" --speed {ceil(ticks / LONGEST)}" if ticks > 10 * LONGEST else "")
 
 
 def page() -> str:
