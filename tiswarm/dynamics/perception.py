@@ -13,7 +13,7 @@ from tiswarm.dynamics import vision
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.dynamics.vision import Vision
-from tiswarm.simd.lanes import dot, larger, motion, place, scaled, smaller
+from tiswarm.simd.lanes import dot, larger, motion, place, row_of, scaled, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import flock, see_mate
@@ -32,6 +32,7 @@ class SightTerms:
     counted: Func  # give 1 for a mate that is there, in view, and that all strategies count as one, else 0
     reaches: Func  # give the squares of how far mates are seen, and how near they are pushed away
     flocked: Func  # separation, cohesion and alignment: what the mates in sight add to the velocity
+    eased: Func  # give a pull without what strategies that flock by rules of their own do not want
 
 
 @dataclass(frozen=True)
@@ -86,13 +87,17 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
             mates.n += -1.0 * own
             for k in ti.static(range(len(layout.axes))):
                 motion(mates)[k] += -1.0 * own * motion(me)[k]
-            pull = flock(me, mates, me.cohesion, me.separation, me.alignment)
+            return eased(flock(me, mates, me.cohesion, me.separation, me.alignment), numbers, b)
+
+        @ti.func
+        def eased(pull: ti.template(), numbers: ti.template(), b):
+            """Give a pull without what strategies that flock by rules of their own do not want."""
             for p in ti.static(loners):
                 for k in ti.static(range(len(layout.axes))):
                     pull[k] = pull[k] * (1.0 - see.weights_of(p, numbers, b).on)
             return pull
 
-        return SightTerms(vision=sight, counted=counted, reaches=reaches, flocked=flocked)
+        return SightTerms(vision=sight, counted=counted, reaches=reaches, flocked=flocked, eased=eased)
 
     @ti.func
     def see_hunter(threat: ti.template(), hunter: ti.template(), away: ti.template(), reach2):
@@ -109,8 +114,7 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
 class NeighbourSearch:
     """Who visits whom: what steering asks of an engine, whichever way that finds neighbours."""
 
-    gather: dict[str, Func]  # add all mates to what an agent sees of its swarm, itself included
-    flocked: dict[str, Func]
+    pull: dict[str, Func]  # give what mates in sight add to the velocity, and note in `mates` what is seen of them
     heed: Func
     chase: Func  # let a predator strategy collect what it needs of single prey
     blocked: Func  # count the obstacles that block the course
@@ -126,7 +130,7 @@ class AllPairs(NeighbourSearch):
 
 
 def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
-    """Build gather and flocked (kind -> func), heed, chase, blocked, look and swarm_of.
+    """Build pull (kind -> func), heed, chase, blocked, look and swarm_of.
 
     here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
     kind.
@@ -155,7 +159,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             itself = own.counted(here.numbers, here.b, me, me, scaled(place(me), 0.0))
             ranks = own.vision.ranking(here.numbers, here.b, itself)
             for j in range(count):
-                mate = mate_at(agents, (here.b * count + j) * own_rows, j)
+                mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
                 away = see.sight(me, mate, here.numbers, here.b)
                 own.vision.rank(ranks, dot(away, away), own.counted(here.numbers, here.b, me, mate, away), perception2)
             return ranks[vision.ROOM - 1]
@@ -169,11 +173,17 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             if ti.static(own.vision.choosy):
                 perception2 = smaller(perception2, nearest2(here, me))
             for j in range(count):
-                mate = mate_at(agents, (here.b * count + j) * own_rows, j)
+                mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
                 away = see.sight(me, mate, here.numbers, here.b)
                 see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate, away), perception2, spacing2)
 
-        return gather, nearest2
+        @ti.func
+        def pull(mates: ti.template(), here: ti.template(), me: ti.template()):
+            """Give what mates in sight add to the velocity."""
+            gather(mates, here, me)
+            return own.flocked(mates, here.numbers, here.b, me)
+
+        return pull, nearest2
 
     ways = {kind: gathers(kind) for kind in ("prey", "predators")}
     nearest_prey2 = ways["prey"][1]
@@ -192,7 +202,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             near2 = nearest_prey2(here, me)
         if ti.static(watched):
             for j in range(counts[1]):
-                hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
+                hunter = predator_mate(here.predators, row_of(b * counts[1] + j, predator_rows), j)
                 away = see.sight(me, hunter, numbers, b)
                 if ti.static(prey_sight.narrow):
                     hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
@@ -204,7 +214,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
                 last = (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows
                 second = see.image(me, prey_mate(here.prey, last, 1), numbers, b)
                 for j in range(counts[0]):
-                    mate = prey_mate(here.prey, (b * counts[0] + j) * prey_rows, j)
+                    mate = prey_mate(here.prey, row_of(b * counts[0] + j, prey_rows), j)
                     if j != here.i:
                         away = see.sight(me, mate, numbers, b)
                         seen = see.image(me, mate, numbers, b)
@@ -213,7 +223,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
                         p.strategy.observe(notes[k], me, seen, away, first, second, weights)
             if ti.static(hunted and "beware" in p.own):
                 for j in range(counts[1]):
-                    hunter = predator_mate(here.predators, (b * counts[1] + j) * predator_rows, j)
+                    hunter = predator_mate(here.predators, row_of(b * counts[1] + j, predator_rows), j)
                     away = see.sight(me, hunter, numbers, b)
                     if ti.static(prey_sight.narrow):
                         hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
@@ -223,7 +233,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
     def chase(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), quarry: ti.template(), weights):
         """Let a predator strategy collect what it needs of single prey."""
         for j in range(here.counts[0]):
-            each = prey_mate(here.prey, (here.b * here.counts[0] + j) * prey_rows, j)
+            each = prey_mate(here.prey, row_of(here.b * here.counts[0] + j, prey_rows), j)
             away = see.sight(me, each, here.numbers, here.b)
             if ti.static(predator_sight.narrow):
                 each.alive = each.alive * predator_sight.in_view(here.numbers, here.b, me, away)
@@ -265,7 +275,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
         origin = [lanes(0.0) for _ in ti.static(range(dim))]
         swarm = see.Swarm(*[lanes(0.0) for _ in ti.static(range(2 * dim + 1))], age)
         for i in range(count):
-            mate = prey_mate(prey, (b * count + i) * prey_rows, i)
+            mate = prey_mate(prey, row_of(b * count + i, prey_rows), i)
             if ti.static(wrapping):
                 first = (mate.alive > 0.5) & (swarm.n < 0.5)
                 for k in ti.static(range(dim)):
@@ -284,8 +294,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
         return swarm
 
     return AllPairs(
-        gather={kind: gather for kind, (gather, _) in ways.items()},
-        flocked={"prey": terms.prey.flocked, "predators": terms.predators.flocked},
+        pull={kind: pull for kind, (pull, _) in ways.items()},
         heed=heed,
         chase=chase,
         blocked=blocked,

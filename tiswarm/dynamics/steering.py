@@ -75,7 +75,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
 
     @ti.func
     def note_flocking(agents: ti.template(), a, kind: ti.template(), me: ti.template(), mates: ti.template()):
-        """Write down the velocity behind separation, and behind cohesion, which `flocked` adds in one go with alignment."""
+        """Write down the velocity behind separation, and behind cohesion, which `pull` adds in one go with alignment."""
         if ti.static(layout.structure.terms):
             apart = flock(me, mates, 0.0 * me.cohesion, me.separation, 0.0 * me.alignment)
             both = flock(me, mates, me.cohesion, me.separation, 0.0 * me.alignment)
@@ -98,8 +98,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         course = [1.0 * rate for rate in ti.static(motion(me))]
         if ti.static(layout.flocks(kind)):
             mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(1 + 3 * dim))])
-            senses.gather[kind](mates, here, me)
-            pull = senses.flocked[kind](mates, numbers, b, me)
+            pull = senses.pull[kind](mates, here, me)
             note_flocking(agents, a, kind, me, mates)
             for k in ti.static(range(dim)):
                 course[k] += timed(pull[k], numbers, b)

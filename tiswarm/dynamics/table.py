@@ -74,6 +74,7 @@ class ParameterTable:
                 first = self.agent_rows[kind]
                 noted[term] = list(range(first, first + frame.dim))
                 self.agent_rows[kind] += frame.dim
+        self.agent_rows = {kind: count | 1 for kind, count in self.agent_rows.items()}  # odd: see lanes.bounded
 
     def _column(self, path: str) -> int:
         self.paths.append(path)

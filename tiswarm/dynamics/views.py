@@ -6,7 +6,7 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics.table import ParameterTable
-from tiswarm.simd.lanes import coordinates, minus, place
+from tiswarm.simd.lanes import coordinates, minus, place, row_of
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box, box_lanes
 
@@ -112,7 +112,7 @@ def build(layout: ParameterTable, types: Types) -> Views:
 
     @ti.func
     def obstacle_at(obstacles: ti.template(), b, count, j):
-        o = (b * count + j) * layout.obstacle_rows
+        o = row_of(b * count + j, layout.obstacle_rows)
         return target_struct(*[obstacles[o + row] for row in ti.static(range(dim + 1))])
 
     @ti.func

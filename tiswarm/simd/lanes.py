@@ -61,6 +61,22 @@ def vector(struct: ti.template(), name: ti.template()):
 
 
 @ti.func
+def bounded(row):
+    """Give a row of a block's array, which is below 2³⁰, so that LLVM knows it.
+
+    Then it folds k into the address of `array[row + k]`, which saves two instructions a load: it must not wrap around. The
+    numbers an agent has must be odd, too; an even row makes LLVM write row | k, which no address can hold.
+    """
+    return row & 0x3FFFFFFF
+
+
+@ti.func
+def row_of(index, height: ti.template()):
+    """Give the first row of the index-th agent (or obstacle), each of whom has `height`."""
+    return bounded(index * height)
+
+
+@ti.func
 def anywhere(mask):
     """Tell whether a mask holds in any lane. Compiles to one movmskps and a branch; Taichi's own any() looks at lane 0 only."""
     return ti.select(mask, 1, 0).sum() > 0

@@ -56,3 +56,17 @@ def flock(me, mates, cohesion, separation, alignment):
             zip(components(mates, "push"), coordinates(mates), _home(me), rates(mates), rates(me), strict=True)
         )
     ]
+
+
+@ti.func
+def draw_together(me, mates, drawn):
+    """Give what `flock` gives with the agent's own gains, of the neighbours' sums in another form.
+
+    drawn: alignment Σ v_j - cohesion Σ (p - p_j), a list; of the mates only n and push are read.
+    """
+    share = 1.0 / larger(mates.n, 1.0)
+    lone = ti.select(mates.n < 0.5, me.cohesion, 0.0)
+    return [
+        me.separation * push + share * toward - lone * here - me.alignment * own
+        for push, toward, here, own in ti.static(zip(components(mates, "push"), drawn, _home(me), rates(me), strict=True))
+    ]

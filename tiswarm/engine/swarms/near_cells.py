@@ -75,8 +75,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     obstacle_of = near_obstacles.build_obstacle(sight)
     blocked, look = near_obstacles.build_avoiding(sight, obstacle_of)
     return CellSearch(
-        gather={kind: _gathering(sight, getattr(terms, kind), kind) for kind in kinds},
-        flocked={kind: getattr(terms, kind).flocked for kind in kinds},
+        pull={kind: _gathering(sight, getattr(terms, kind), kind) for kind in kinds},
         heed=_heeding(sight, terms),
         chase=_chasing(sight, terms.predators.vision),
         blocked=blocked,
@@ -90,7 +89,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
 
 
 def _gathering(sight: Sight, own: Any, kind: str) -> Func:
-    """Build what sums up the mates in reach. own: the terms of the kind."""
+    """Build what sums up the mates in reach, and gives what they add to the velocity. own: the terms of the kind."""
     away_from, mate_of = sight.away_in(kind), sight.slots[kind].mate_of
     nearest2 = ranking.build(sight, own, kind)
 
@@ -104,8 +103,8 @@ def _gathering(sight: Sight, own: Any, kind: str) -> Func:
     around = getattr(sight.near, kind).walks(meet_mate).around
 
     @ti.func
-    def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
-        """Add all mates in reach to what agents see of their swarm, themselves included."""
+    def pull(mates: ti.template(), here: ti.template(), me: ti.template()):
+        """Add all mates in reach to what agents see of their swarm, and give what they add to the velocity."""
         perception2, spacing2 = own.reaches(here.numbers, 0, me)
         if ti.static(own.vision.choosy):
             perception2 = smaller(perception2, nearest2(here, me))
@@ -113,8 +112,9 @@ def _gathering(sight: Sight, own: Any, kind: str) -> Func:
         view = Bundle(mates=mates, me=me, numbers=here.numbers, whole=crowd.whole, perception2=perception2, spacing2=spacing2)
         p = ti.static(coordinates(me))
         around(view, p, crowd.agents, crowd.whole, crowd.reals, here.trial, here.block, here.end)
+        return own.flocked(mates, here.numbers, 0, me)
 
-    return gather
+    return pull
 
 
 def _observing(sight: Sight, vision: Vision) -> Func:

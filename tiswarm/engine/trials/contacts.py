@@ -19,7 +19,7 @@ from tiswarm.dynamics.rows import (
 )
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import anywhere, larger, minus, motion
+from tiswarm.simd.lanes import anywhere, larger, minus, motion, row_of
 from tiswarm.simd.runtime import Func, Types
 
 
@@ -51,7 +51,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
             limits = see.limits_of(numbers, b, limits_at)
             crashed = lanes(0.0)
             for i in range(counts[column]):
-                a = (b * counts[column] + i) * agent_rows
+                a = row_of(b * counts[column] + i, agent_rows)
                 me = me_at(agents, a, i, limits)
                 travel = rules.travel_of(agents, a)
                 touched = [lanes(0.0)]
@@ -76,13 +76,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         reach = numbers[n + at.prey.radius] + numbers[n + at.predators.radius]
         captured_count = lanes(0.0)
         for j in range(counts[1]):
-            predators[(b * counts[1] + j) * predator_rows + rows.hit] = lanes(0.0)
+            predators[row_of(b * counts[1] + j, predator_rows) + rows.hit] = lanes(0.0)
         for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
+            a = row_of(b * counts[0] + i, prey_rows)
             me = prey_mate(prey, a, i)
             captured = lanes(0.0)
             for j in range(counts[1]):
-                q = (b * counts[1] + j) * predator_rows
+                q = row_of(b * counts[1] + j, predator_rows)
                 hunter = predator_mate(predators, q, j)
                 travel = minus(rules.travel_of(prey, a), rules.travel_of(predators, q))
                 touch = rules.touches(rules.nearest(see.gap(me, hunter, numbers, b), travel, numbers, b), reach)
@@ -95,7 +95,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         if ti.static(frame.contact == "deadly"):  # noqa: SIM102 - one branch at compile time, one at run time
             if anywhere(captured_count > 0.5):
                 for j in range(counts[1]):
-                    q = (b * counts[1] + j) * predator_rows
+                    q = row_of(b * counts[1] + j, predator_rows)
                     rules.die(predators, q, predators[q + rows.hit], CAPTURED)
         return captured_count
 
@@ -105,7 +105,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         arrived_count = lanes(0.0)
         alive_count = lanes(0.0)
         for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
+            a = row_of(b * counts[0] + i, prey_rows)
             me = prey_mate(prey, a, i)
             arrived = rules.arrive(prey, a, me, moved, target, numbers, b)
             arrived_count += arrived
@@ -139,9 +139,9 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         """Let prey that touch and approach each other bounce, pair by pair in a fixed order."""
         reach = 2.0 * numbers[b * width + at.prey.radius]
         for i in range(count):
-            a = (b * count + i) * prey_rows
+            a = row_of(b * count + i, prey_rows)
             for j in range(i + 1, count):
-                c = (b * count + j) * prey_rows
+                c = row_of(b * count + j, prey_rows)
                 me = prey_mate(prey, a, i)
                 mate = prey_mate(prey, c, j)
                 away = see.gap(me, mate, numbers, b)

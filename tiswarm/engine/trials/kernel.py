@@ -26,7 +26,7 @@ from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
-from tiswarm.simd.lanes import Bundle
+from tiswarm.simd.lanes import Bundle, bounded, row_of
 from tiswarm.simd.runtime import LANES, TASK, Types
 
 OUTCOMES = {
@@ -65,7 +65,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         """Give 0 in the lanes where all who are there have finite places and velocities, else what is no number."""
         told = types.lanes(0.0)
         for i in range(count):
-            a = (b * count + i) * height
+            a = row_of(b * count + i, height)
             own = types.lanes(0.0)
             for k in ti.static(range(len(state))):
                 own += 0.0 * agents[a + state[k]]
@@ -160,6 +160,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         ground: flat,  # [block * cell]
         measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
         board: flat,  # [block * row], what predators' surveys write
+        met: flat,  # [block * agent * row], see pairs.py
         prey_count: ti.i32,
         predator_count: ti.i32,
         obstacle_count: ti.i32,
@@ -173,7 +174,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
                 work = Bundle(table=table, jobs=jobs, queue=queue, results=results, measured=measured)
                 block = Bundle(
                     prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, clock=clock, integer=integer,
-                    sums=sums, ground=ground, board=board, b=index // TASK,
+                    sums=sums, ground=ground, board=board, met=met, b=bounded(index // TASK),
                     counts=ti.Vector([prey_count, predator_count, obstacle_count]), key_low=key_low, key_high=key_high,
                 )  # fmt: skip
                 left = moves

@@ -1,6 +1,6 @@
 """Tick: one tick of the motion of a block's trials; all agents of a kind read one snapshot."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import taichi as ti
 
@@ -8,7 +8,8 @@ from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import Bundle, anywhere
+from tiswarm.engine.trials import pairs
+from tiswarm.simd.lanes import Bundle, anywhere, row_of
 from tiswarm.simd.runtime import Func, Types
 
 
@@ -25,12 +26,26 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     lanes, integers = types.lanes, types.integer_lanes
     at, rows = layout.at, layout.rows
     frame = layout.structure.frame
-    senses = perception.build(layout, types, see)
+    alone = perception.build(layout, types, see)
+    terms = perception.build_terms(layout, types, see)
+    met = {
+        kind: pairs.build(layout, types, see, kind, getattr(terms, kind), pull)
+        for kind, pull in alone.pull.items()
+        if pairs.mutual(layout, kind)
+    }
+    senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)
     steps = driven.steps
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
     surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
+
+    @ti.func
+    def looker(block: ti.template(), i):
+        return Bundle(
+            prey=block.prey, predators=block.predators, obstacles=block.obstacles, numbers=block.numbers, met=block.met,
+            b=block.b, counts=block.counts, i=i,
+        )  # fmt: skip
 
     @ti.func
     def draw_of(block: ti.template(), i):
@@ -42,7 +57,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     def begin(prey: ti.template(), numbers: ti.template(), b, count, fresh):
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(count):
-            a = (b * count + i) * prey_rows
+            a = row_of(b * count + i, prey_rows)
             driven.begin(prey, a, prey_at(prey, a, i, limits), numbers, b, fresh)
             if ti.static("prey" in frame.unicycles):
                 steps.prey.face(prey, a, fresh)
@@ -52,36 +67,37 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
         swarm_seen = lanes(0.0)
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(count):
-            a = (b * count + i) * prey_rows
+            a = row_of(b * count + i, prey_rows)
             swarm_seen += prey[a + rows.alive] * prey[a + rows.seen]
         for i in range(count):
-            a = (b * count + i) * prey_rows
+            a = row_of(b * count + i, prey_rows)
             driven.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
 
     @ti.func
     def move_prey(block: ti.template()):
         """Move all prey (steering.py)."""
         b, counts = block.b, block.counts
-        prey, predators, obstacles = ti.static(block.prey, block.predators, block.obstacles)
-        numbers, clock = ti.static(block.numbers, block.clock)
+        prey, numbers, clock = ti.static(block.prey, block.numbers, block.clock)
         if ti.static(driven.starts or "prey" in frame.unicycles):
             fresh = clock[b, AGE] < 0.5
             if anywhere(fresh):
                 begin(prey, numbers, b, counts[0], fresh)
         if ti.static(frame.verlet):
             for i in range(counts[0]):
-                steps.prey.drift(prey, (b * counts[0] + i) * prey_rows, numbers, b)
+                steps.prey.drift(prey, row_of(b * counts[0] + i, prey_rows), numbers, b)
+        if ti.static("prey" in met):
+            met["prey"].meet(block)
         swarm = senses.swarm_of(prey, numbers, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(counts[0]):
-            a = (b * counts[0] + i) * prey_rows
+            a = row_of(b * counts[0] + i, prey_rows)
             me = prey_at(prey, a, i, limits)
-            here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            here = looker(block, i)
             draw = draw_of(block, i)
             driven.prey(here, draw, prey, a, me, numbers, b, swarm, target)
         for i in range(counts[0]):
-            steps.prey.commit(prey, (b * counts[0] + i) * prey_rows, numbers, b)
+            steps.prey.commit(prey, row_of(b * counts[0] + i, prey_rows), numbers, b)
         if ti.static(frame.contact == "bounce"):
             bounce(prey, numbers, b, counts[0])
         if ti.static(driven.remembers):
@@ -91,10 +107,10 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     def move_predators(block: ti.template()):
         """Move all predators (steering.py)."""
         b, counts = block.b, block.counts
-        prey, predators, obstacles = ti.static(block.prey, block.predators, block.obstacles)
+        prey, predators = ti.static(block.prey, block.predators)
         numbers, clock = ti.static(block.numbers, block.clock)
         for i in range(counts[1]):
-            a = (b * counts[1] + i) * predator_rows
+            a = row_of(b * counts[1] + i, predator_rows)
             if ti.static("predators" in frame.unicycles):
                 steps.predators.face(predators, a, clock[b, AGE] < 0.5)
             if ti.static(frame.verlet):
@@ -104,16 +120,18 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
                 prey, predators, block.board, numbers, block.integer[b, TRIAL], block.integer[b, TICK], b, counts,
                 block.key_low, block.key_high,
             )  # fmt: skip
+        if ti.static("predators" in met):
+            met["predators"].meet(block)
         quarry = senses.swarm_of(prey, numbers, b, counts[0], clock[b, AGE])
         target = see.target_of(numbers, b)
         limits = see.limits_of(numbers, b, at.predators)
         for i in range(counts[1]):
-            a = (b * counts[1] + i) * predator_rows
+            a = row_of(b * counts[1] + i, predator_rows)
             me = predator_at(predators, a, i, limits)
-            here = Bundle(prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, b=b, counts=counts, i=i)
+            here = looker(block, i)
             draw = draw_of(block, i)
             driven.predators(here, draw, predators, a, me, numbers, b, quarry, target)
         for i in range(counts[1]):
-            steps.predators.commit(predators, (b * counts[1] + i) * predator_rows, numbers, b)
+            steps.predators.commit(predators, row_of(b * counts[1] + i, predator_rows), numbers, b)
 
     return Moves(move_prey=move_prey, move_predators=move_predators)
