@@ -87,7 +87,8 @@ def build_terms(layout: ParameterTable, types: Types, see: Views) -> PerceptionT
             mates.n += -1.0 * own
             for k in ti.static(range(len(layout.axes))):
                 motion(mates)[k] += -1.0 * own * motion(me)[k]
-            return eased(flock(me, mates, me.cohesion, me.separation, me.alignment), numbers, b)
+            pull = flock(me, mates, me.cohesion, me.separation, me.alignment)
+            return eased(pull, numbers, b)
 
         @ti.func
         def eased(pull: ti.template(), numbers: ti.template(), b):

@@ -112,7 +112,7 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
                 met[m + push_sum[k]] = push[k]
 
     @ti.func
-    def pull(mates: ti.template(), here: ti.template(), me: ti.template()):
+    def pull_of(mates: ti.template(), here: ti.template(), me: ti.template()):
         """Give what the mates in sight add to the velocity."""
         met = ti.static(here.met)
         if ti.static(layout.structure.terms):  # who notes terms wants cohesion and alignment apart
@@ -124,6 +124,7 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
             vector(mates, "push")[k] = met[m + push_sum[k]]
             if ti.static(not wrapping):
                 drawn[k] = drawn[k] - mates.n * me.cohesion * place(me)[k]
-        return own.eased(draw_together(me, mates, drawn), here.numbers, here.b)
+        pull = draw_together(me, mates, drawn)
+        return own.eased(pull, here.numbers, here.b)
 
-    return Pairs(meet=meet, pull=pull)
+    return Pairs(meet=meet, pull=pull_of)
