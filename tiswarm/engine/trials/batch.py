@@ -9,7 +9,7 @@ from tiswarm.dynamics.specialisation import Specialisation
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import check_pairs
 from tiswarm.engine.finite import STRANGE, NotFiniteError
-from tiswarm.engine.trials import kernel, pairs
+from tiswarm.engine.trials import kernel, mates
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
@@ -65,7 +65,7 @@ class Blocks:
         self.ground = runtime.aligned((blocks * max(cells, 1), LANES), types.dtype)
         board = self.layout.board
         self.board = runtime.aligned((blocks * max(board.fixed + board.each * prey, 1), LANES), types.dtype)
-        self.met = runtime.aligned((blocks * max(prey, predators) * pairs.height(self.layout), LANES), types.dtype)
+        self.met = runtime.aligned((blocks * max(prey, predators) * mates.height(self.layout), LANES), types.dtype)
         self.measures = self.layout.structure.frame.measures
 
     def outcomes(self, trials_count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -160,7 +160,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         ground: flat,  # [block * cell]
         measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
         board: flat,  # [block * row], what predators' surveys write
-        met: flat,  # [block * agent * row], see pairs.py
+        met: flat,  # [block * agent * row], see mates.py
         prey_count: ti.i32,
         predator_count: ti.i32,
         obstacle_count: ti.i32,

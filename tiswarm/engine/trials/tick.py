@@ -8,7 +8,7 @@ from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.engine.trials import pairs
+from tiswarm.engine.trials import mates
 from tiswarm.simd.lanes import Bundle, anywhere, row_of
 from tiswarm.simd.runtime import Func, Types
 
@@ -29,9 +29,9 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     alone = perception.build(layout, types, see)
     terms = perception.build_terms(layout, types, see)
     met = {
-        kind: pairs.build(layout, types, see, kind, getattr(terms, kind), pull)
+        kind: mates.build(layout, types, see, kind, getattr(terms, kind), pull)
         for kind, pull in alone.pull.items()
-        if pairs.mutual(layout, kind)
+        if mates.lends(layout, kind)
     }
     senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)

@@ -1,7 +1,8 @@
-"""Pairs: what mates in sight add to each other's velocity, each pair of a trial met once for both sides.
+"""Mates: what all agents of a kind see of their mates in a tick, summed up before any of them moves.
 
-Both see each other or neither does, at the same distance; so the distance, the tests and the push apart are had once. Cohesion
-and alignment share one sum, since both end as a share of the mates in sight: of what each mate lends, `lent`.
+Cohesion and alignment share one sum, as both end as a share of the mates in sight: of what each mate lends, alignment v +
+cohesion p, computed once for all who see it; an agent takes n cohesion p of its own off at the end. What follows for an agent,
+with its roots and divisions, stands in a loop of its own, so that one agent's overlaps the next one's.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from tiswarm.simd.lanes import bounded, dot, place, row_of, vector
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import draw_together
 
-# Rows of an agent in `met`: how far it sees, squared, -1 for the gone; mates in sight; and one an axis of Σ lent, Σ push, lent.
+# Rows of an agent in `met`: how far it is seen, squared, -1 for the gone; mates in sight; an axis each: Σ lent, Σ push, lent.
 REACH2, COUNT, SUMS = range(3)
 
 
@@ -24,20 +25,21 @@ def height(layout: ParameterTable) -> int:
     return SUMS + 3 * len(layout.axes) | 1  # odd: see lanes.bounded
 
 
-def mutual(layout: ParameterTable, kind: str) -> bool:
-    """Tell whether agents of a kind flock, all by the same gains, so that what one lends is the same for all."""
-    return layout.flocks(kind) and not any(p.strategy.networked for p in layout.parts(kind, "strategy"))
+def lends(layout: ParameterTable, kind: str) -> bool:
+    """Tell whether agents of a kind see their mates so: all flock by the same gains, and ways are differences of places."""
+    networked = any(p.strategy.networked for p in layout.parts(kind, "strategy"))
+    return layout.flocks(kind) and not networked and not layout.structure.frame.wrap_sight
 
 
 @dataclass(frozen=True)
-class Pairs:
-    """The sums over pairs of one kind."""
+class Mates:
+    """The sums over the mates of one kind."""
 
-    meet: Func  # sum up all pairs of a block's trials
+    meet: Func  # sum up what everybody of a block's trials sees
     pull: Func  # as NeighbourSearch.pull
 
 
-def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: SightTerms, alone: Func) -> Pairs:
+def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: SightTerms, alone: Func) -> Mates:
     """Build `meet` and `pull` for a kind; own: what it makes of its mates; alone: `pull` for an agent by itself."""
     lanes, dim = types.lanes, len(layout.axes)
     width, tall = len(layout.paths), height(layout)
@@ -45,7 +47,6 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
     lent_sum, push_sum, lent = ([SUMS + dim * k + axis for axis in range(dim)] for k in range(3))
     which = 0 if kind == "prey" else 1
     choosy = bool(layout.parts(kind, "strategy", "mates"))
-    wrapping = layout.structure.frame.wrap_sight
     me_at, mate_at = see.me_at[kind], see.mate_at[kind]
 
     @ti.func
@@ -55,11 +56,7 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
 
     @ti.func
     def lend(block: ti.template(), perception2):
-        """Write down how far everybody sees and what everybody lends; no pair is met yet.
-
-        lent: alignment v + cohesion p, of which an agent takes cohesion times its own p off at the end. Where sight wraps, the
-        way between two is not the difference of their places, and each pair adds it.
-        """
+        """Write down how far everybody sees, and what everybody lends."""
         b, count = block.b, block.counts[which]
         agents, numbers, met = ti.static(block.of(kind), block.numbers, block.met)
         first = first_of(block.counts, b)
@@ -69,13 +66,11 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
             m = bounded(first + i * tall)
             met[m + REACH2] = ti.select(agents[a + rows.alive] > 0.5, perception2, -1.0)
             for k in ti.static(range(dim)):
-                met[m + lent[k]] = alignment * agents[a + rows.motion[k]]
-                if ti.static(not wrapping):
-                    met[m + lent[k]] = met[m + lent[k]] + cohesion * agents[a + rows.place[k]]
+                met[m + lent[k]] = alignment * agents[a + rows.motion[k]] + cohesion * agents[a + rows.place[k]]
 
     @ti.func
     def meet(block: ti.template()):
-        """Sum up all pairs of a block's trials, an agent with itself included, so that the loop has no branch."""
+        """Sum up what everybody of a block's trials sees: itself too, for want of a branch, and taken off again."""
         b, count = block.b, block.counts[which]
         agents, numbers, met = ti.static(block.of(kind), block.numbers, block.met)
         first = first_of(block.counts, b)
@@ -101,10 +96,7 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
                 close = near & (distance2 <= spacing2)
                 seen += ti.select(near, 1.0, 0.0)
                 for k in ti.static(range(dim)):
-                    theirs = met[o + lent[k]]
-                    if ti.static(wrapping):
-                        theirs = theirs - me.cohesion * away[k]
-                    drawn[k] += ti.select(near, theirs, 0.0)
+                    drawn[k] += ti.select(near, met[o + lent[k]], 0.0)
                     push[k] += ti.select(close, away[k], 0.0)
             met[m + COUNT] = seen - itself
             for k in ti.static(range(dim)):
@@ -122,9 +114,8 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
         drawn = [met[m + row] for row in ti.static(lent_sum)]
         for k in ti.static(range(dim)):
             vector(mates, "push")[k] = met[m + push_sum[k]]
-            if ti.static(not wrapping):
-                drawn[k] = drawn[k] - mates.n * me.cohesion * place(me)[k]
+            drawn[k] = drawn[k] - mates.n * me.cohesion * place(me)[k]
         pull = draw_together(me, mates, drawn)
         return own.eased(pull, here.numbers, here.b)
 
-    return Pairs(meet=meet, pull=pull_of)
+    return Mates(meet=meet, pull=pull_of)
