@@ -12,7 +12,7 @@ import taichi as ti
 from tiswarm.dynamics.perception import SightTerms
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import bounded, dot, place, row_of, vector
+from tiswarm.simd.lanes import bounded, dot, place, row_of, scaled, vector
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import draw_together
 
@@ -26,9 +26,13 @@ def height(layout: ParameterTable) -> int:
 
 
 def lends(layout: ParameterTable, kind: str) -> bool:
-    """Tell whether agents of a kind see their mates so: all flock by the same gains, and ways are differences of places."""
+    """Tell whether agents of a kind see their mates so.
+
+    All flock by the same gains, ways are differences of places, and how far one sees does not depend on who is nearest.
+    """
+    frame = layout.structure.frame
     networked = any(p.strategy.networked for p in layout.parts(kind, "strategy"))
-    return layout.flocks(kind) and not networked and not layout.structure.frame.wrap_sight
+    return layout.flocks(kind) and not networked and not frame.wrap_sight and kind not in frame.choosy
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
     rows, agent_rows, columns = layout.rows, layout.agent_rows[kind], getattr(layout.at, kind)
     lent_sum, push_sum, lent = ([SUMS + dim * k + axis for axis in range(dim)] for k in range(3))
     which = 0 if kind == "prey" else 1
-    choosy = bool(layout.parts(kind, "strategy", "mates"))
+    picky = own.vision.narrow or bool(layout.parts(kind, "strategy", "mates"))
     me_at, mate_at = see.me_at[kind], see.mate_at[kind]
 
     @ti.func
@@ -84,15 +88,15 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Sigh
             seen = lanes(0.0)
             drawn = [lanes(0.0) for _ in ti.static(range(dim))]
             push = [lanes(0.0) for _ in ti.static(range(dim))]
-            itself = own.counted(numbers, b, me, me)
+            itself = own.counted(numbers, b, me, me, scaled(place(me), 0.0))
             for j in range(count):
                 o = bounded(first + j * tall)
                 mate = mate_at(agents, row_of(b * count + j, agent_rows), j)
                 away = see.sight(me, mate, numbers, b)
                 distance2 = dot(away, away)
                 near = distance2 <= met[o + REACH2]
-                if ti.static(choosy):
-                    near = near & (own.counted(numbers, b, me, mate) > 0.5)
+                if ti.static(picky):
+                    near = near & (own.counted(numbers, b, me, mate, away) > 0.5)
                 close = near & (distance2 <= spacing2)
                 seen += ti.select(near, 1.0, 0.0)
                 for k in ti.static(range(dim)):
