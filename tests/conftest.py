@@ -4,7 +4,11 @@
 suite that is too slow should share.
 """
 
+import signal
+import subprocess
+import sys
 import time
+import warnings
 from collections import defaultdict
 
 import pytest
@@ -78,3 +82,27 @@ def f64():
 def precision(request):
     tiswarm.init(request.param)
     return request.param
+
+
+@pytest.fixture
+def command(capsys, monkeypatch):
+    """Run the command line within this process, for the many cases that a process each would spend on imports."""
+
+    def run(*words, cwd):
+        from tiswarm.cli import main
+
+        line = ["tiswarm", *map(str, words)]
+        heeded = signal.getsignal(signal.SIGINT)
+        with monkeypatch.context() as here:
+            here.chdir(cwd)
+            here.setattr(sys, "argv", line)
+            here.setattr(warnings, "showwarning", warnings.showwarning)
+            try:
+                with pytest.raises(SystemExit) as ended:
+                    main()
+            finally:
+                signal.signal(signal.SIGINT, heeded)
+        said, complained = capsys.readouterr()
+        return subprocess.CompletedProcess(line, ended.value.code, said, complained)
+
+    return run

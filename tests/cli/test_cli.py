@@ -126,8 +126,8 @@ def test_bench_writes_rows_a_manifest_and_charts(tmp_path):
         (("presets", "--loud"), "--loud"),
     ],
 )
-def test_wrong_input_gets_one_line_and_exit_code_2(arguments, said, tmp_path):
-    done = _run(*arguments, cwd=tmp_path)
+def test_wrong_input_gets_one_line_and_exit_code_2(arguments, said, tmp_path, command):
+    done = command(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert said in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1

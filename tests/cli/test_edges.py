@@ -96,10 +96,10 @@ NASTY = [
 
 
 @pytest.mark.parametrize(("text", "said"), NASTY)
-def test_what_was_typed_is_shown_safe_and_short(text, said, tmp_path):
+def test_what_was_typed_is_shown_safe_and_short(text, said, tmp_path, command):
     (tmp_path / "x.toml").write_text(text, encoding="utf-8")
     for verb in ("show", "bench"):
-        done = subprocess.run([*COMMAND, verb, "x.toml"], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False)
+        done = command(verb, "x.toml", cwd=tmp_path)
         assert done.returncode == 2
         (line,) = done.stderr.splitlines()
         assert line.isprintable()
@@ -108,7 +108,7 @@ def test_what_was_typed_is_shown_safe_and_short(text, said, tmp_path):
         assert [each.name for each in tmp_path.iterdir()] == ["x.toml"]
 
 
-def test_the_options_are_shown_safe_and_short_too(tmp_path):
+def test_the_options_are_shown_safe_and_short_too(tmp_path, command):
     for arguments in (
         ["run", "\x1b[31mred"],
         ["run", "delft/pronav-10", "--set", f"prey.count={'x' * 2000}"],
@@ -118,7 +118,7 @@ def test_the_options_are_shown_safe_and_short_too(tmp_path):
         ["\x1b[31m" + "v" * 2000],
         ["presets", "--\x1b" + "o" * 2000],
     ):
-        done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False)
+        done = command(*arguments, cwd=tmp_path)
         assert done.returncode == 2, arguments
         (line,) = done.stderr.splitlines()
         assert line.isprintable(), line
@@ -171,11 +171,10 @@ def test_numpys_warnings_reach_the_user_of_a_film(tmp_path):
         (("--poster", "file/x.png"), "file"),
     ],
 )
-def test_what_a_film_cannot_be_is_told_before_the_work(arguments, said, tmp_path):
+def test_what_a_film_cannot_be_is_told_before_the_work(arguments, said, tmp_path, command):
     """A preset that is not there would be told first if anything was done first."""
     (tmp_path / "file").write_text("")
-    line = ["film", "no-such-preset", *arguments]
-    done = subprocess.run([*COMMAND, *line], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False)
+    done = command("film", "no-such-preset", *arguments, cwd=tmp_path)
     assert done.returncode in (1, 2)
     assert said in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -189,10 +189,8 @@ def test_kill_at_any_moment_leaves_the_same_bits(tmp_path):
         (("--over", "prey.perception=-3:4"), "prey.perception"),
     ],
 )
-def test_wrong_input_is_one_line_and_exit_code_2(tmp_path, arguments, told):
-    run = subprocess.run(
-        _command("delft/pronav-10", *arguments, "-o", tmp_path / "out"), capture_output=True, text=True, timeout=60, check=False
-    )
+def test_wrong_input_is_one_line_and_exit_code_2(tmp_path, arguments, told, command):
+    run = command("tune", "delft/pronav-10", *arguments, "-o", tmp_path / "out", cwd=tmp_path)
     assert run.returncode == 2
     assert told in run.stderr
     assert len(run.stderr.splitlines()) == 1

@@ -2,6 +2,7 @@
 
 import numpy as np
 import taichi as ti
+from scipy.spatial import cKDTree
 
 from tiswarm.simd import runtime
 from tiswarm.simd.runtime import LANES
@@ -61,21 +62,29 @@ def met(grid):
 
 
 def compared(grid, trial):
-    """Compare all pairs of a trial in double precision; leave out pairs that rounding may decide."""
+    """Compare all pairs of a trial in double precision; leave out pairs that rounding may decide.
+
+    Pairs that may be near come from a k-d tree of SciPy's, which scikit-learn stands on: 10 000 agents have 10⁸.
+    """
     dimensions, first = grid.space.dimensions, trial * grid.slots
     alive = grid.alive()[trial]
     p = grid.agents[first : first + alive, :dimensions].astype(np.float64)
-    counts = np.zeros((alive, 2), np.int64)
+    if alive == 0:
+        return np.zeros((0, 2), np.int64), np.zeros(0, bool)
+    size = np.asarray(grid.space.size) if grid.space.boundary == "periodic" else None
+    tree = cKDTree(p) if size is None else cKDTree(p % size, boxsize=size)
+    one, other = tree.query_pairs(REACH + 0.01, output_type="ndarray").T
+    away = p[one] - p[other]
+    if size is not None:
+        away -= size * np.round(away / size)
+    distance2 = (away**2).sum(axis=-1)
+    near, whom = distance2 <= REACH**2, (first + np.arange(alive)) % 1021
+    counts = np.stack([np.ones(alive, np.int64), whom], axis=1)  # everybody meets itself
+    unsure = (np.abs(distance2 - REACH**2) < 1e-4) & (distance2 != REACH**2)
     doubtful = np.zeros(alive, bool)
-    for begin in range(0, alive, 500):
-        away = p[begin : begin + 500, None] - p[None]
-        if grid.space.boundary == "periodic":
-            away -= np.asarray(grid.space.size) * np.round(away / np.asarray(grid.space.size))
-        distance2 = (away**2).sum(axis=-1)
-        near = distance2 <= REACH**2
-        counts[begin : begin + 500, 0] = near.sum(axis=1)
-        counts[begin : begin + 500, 1] = (near * ((first + np.arange(alive)) % 1021)).sum(axis=1)
-        doubtful[begin : begin + 500] = ((np.abs(distance2 - REACH**2) < 1e-4) & (distance2 != REACH**2)).any(axis=1)
+    for who, mate in ((one, other), (other, one)):
+        np.add.at(counts, who[near], np.stack([np.ones(near.sum(), np.int64), whom[mate[near]]], axis=1))
+        doubtful[who[unsure]] = True
     return counts, ~doubtful
 
 

@@ -70,10 +70,12 @@ def test_a_turned_world_gives_the_turned_path(drive, f64):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_both_engines_reflect_alike(dim, f64):
-    flock = {"prey.cohesion": 0.005, "prey.separation": 0.05, "prey.alignment": 0.01, "world.ticks": 60}
+    """Differences in the last digit grow by a third a tick, so that 30 ticks leave a hundred-thousandth of a micrometre."""
+    flock = {"prey.cohesion": 0.005, "prey.separation": 0.05, "prey.alignment": 0.01, "world.ticks": 30}
     own = scenario(dim, **flock, **{"prey.spawn.velocity": [[-2.0] * dim, [2.0] * dim]})
     one, other = (tiswarm.record(own.replaced({"world.neighbours": way}), seed=2) for way in ("all-pairs", "grid"))
-    np.testing.assert_allclose(one.prey.position, other.prey.position, atol=1e-9)
+    np.testing.assert_allclose(one.prey.position, other.prey.position, atol=1e-11)
+    assert (far(one)[1:-1] > np.maximum(far(one)[:-2], far(one)[2:])).sum() > 20  # turned back at the edge, or near it
 
 
 def test_only_ground_inside_the_circle_counts(f64):
