@@ -11,12 +11,12 @@ import pytest
 BEGIN = """
 import sys, threading
 import tiswarm
-SCENARIO = tiswarm.load("delft/pronav-10", {"world.ticks": 60})
+SCENARIO = tiswarm.load("delft/avoidance-10", {"world.ticks": 60})  # prey alone: kernels that are soon built
 def bits():
     found = tiswarm.simulate(SCENARIO, 200, 1)
     return [int(found.alive.sum()), int(found.captured.sum()), int(found.crashed.sum()), int(found.ticks.sum())]
 def swarm():
-    return tiswarm.Swarm(tiswarm.load("delft/crowd", {"prey.count": 64, "predators.count": 4}))
+    return tiswarm.Swarm(tiswarm.load("delft/crowd", {"prey.count": 64, "predators.count": 0}))
 """
 
 
