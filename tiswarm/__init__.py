@@ -25,12 +25,15 @@ _HOMES = {
     "compare": "records.results",
     "Recording": "records.recording",
     "Swarm": "engine.swarms.simulation",
+    "Report": "studies.report",
+    "study": "studies.run",
     "tune": "learning.tune",
 }
 
 __all__ = [
     "Estimate",
     "Recording",
+    "Report",
     "Results",
     "Scenario",
     "ScenarioError",
@@ -44,6 +47,7 @@ __all__ = [
     "load",
     "record",
     "simulate",
+    "study",
     "tune",
 ]
 
@@ -59,6 +63,8 @@ if TYPE_CHECKING:
     from tiswarm.scenario.start import Start
     from tiswarm.simd.runtime import init
     from tiswarm.strategies.registry import add_path
+    from tiswarm.studies.report import Report
+    from tiswarm.studies.run import study
 
 
 def __getattr__(name: str) -> Any:

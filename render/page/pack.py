@@ -83,6 +83,8 @@ def packed(recording: Recording, *, exact: bool = False, field: Field | None = N
     sections = Sections()
     header = _told(recording)
     both = (recording.prey, recording.predators)
+    if any((each.alive.any(axis=0) & ~each.alive[0]).any() for each in both):
+        raise ValueError("page: somebody comes after the start, which pages cannot show; film the recording instead")
     places = np.concatenate([each.position.reshape(-1, recording.dim) for each in both])
     places = places[np.isfinite(places[:, 0])]
     box = (places.min(axis=0), places.max(axis=0)) if len(places) else (np.zeros(recording.dim), np.ones(recording.dim))

@@ -101,7 +101,10 @@ class Trails:
     def _placed(self, line: np.ndarray, first: int, camera: Camera, around: np.ndarray | None) -> _Pieces:
         """Place pieces on the screen, agent by agent. line: [point, agent, dim], m; its first point is knot number `first`."""
         ends = self._paths.end
-        agents, starts = ((np.arange(first, first + len(line) - 1) / self._paths.per_tick)[:, None] < ends).T.nonzero()
+        there = (np.arange(first, first + len(line) - 1) / self._paths.per_tick)[:, None] < ends
+        if self._paths.latecomers:
+            there &= np.isfinite(line[:-1, :, 0]) & np.isfinite(line[1:, :, 0])
+        agents, starts = there.T.nonzero()
         if around is None:
             a, b = self._segments(line, agents, starts, camera)
         else:

@@ -40,6 +40,7 @@ class Trajectories:
     count, prey: how many agents there are, and how many of them are prey. dim: 2 or 3.
     scene: [agent], which subject each belongs to. is_prey: [agent], bool. ticks: [subject], how many each runs.
     end: [agent], the tick at which the agent is gone, inf for those of whom that is not known. fate: [agent], as in FATES.
+    latecomers: whether anybody came after the start.
     period: [agent, dim], size of a periodic world, 0 for others; None when no world is periodic.
     """
 
@@ -96,6 +97,7 @@ class Trajectories:
         self._place, self._slope, self._begin, self._ahead, self._leaving, self._coming = np.full((6, *shape), np.nan)
         self._bend, self._twist = np.full((2, *shape), np.nan)  # the curves' coefficients of the second and third power
         self._state, self._state_before, self.fate = np.zeros((3, self.count), np.uint8)
+        self.latecomers = False
         self._group, self._group_before = np.full((2, self.count), -1, np.int32)
         self.end = np.full(self.count, np.inf)
         trailed = self._behind > 0 and self.count <= self._most
@@ -141,6 +143,7 @@ class Trajectories:
         for scene, both in ticks.items():
             self._note(scene, both)
         self.loaded += 1
+        self._let_in()
         self._ahead, self._coming = self._begin + self.shortest(self._place - self._begin), self._slope.copy()
         gone = np.flatnonzero(np.isnan(self._place[:, 0]) & np.isinf(self.end))
         if len(gone):
@@ -162,6 +165,15 @@ class Trajectories:
         staying = (self.scene == scene) & np.isinf(self.end)
         self._rest[staying], self._rest_slope[staying] = self._place[staying], self._slope[staying]
         self._rest_from[staying] = self.loaded
+
+    def _let_in(self) -> None:
+        """Let who comes after the start, as tracked animals do, enter as it moves."""
+        come = np.flatnonzero((self.end < self.loaded) & np.isfinite(self._place[:, 0]))
+        if len(come):
+            self.end[come] = self._rest_from[come] = np.inf
+            self._leaving[come] = self._slope[come]
+            self._begin[come] = self.within(self._place[come] - self._slope[come], come)
+            self.latecomers = True
 
     def _let_go(self, gone: np.ndarray) -> None:
         """Whoever dies or arrives in a tick has no position at its end: it goes on as it moved, and captor meets captive."""

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 import random
 import signal
 import subprocess
@@ -245,3 +246,19 @@ def test_a_small_game_from_cells_to_mixtures(tmp_path, f32):
     assert told["value"]["low"] <= told["value"]["mean"] <= told["value"]["high"]
     assert sum(each["share"] for each in told["prey"].values()) == pytest.approx(1)
     assert "baseline" in told["dominated"]["rows"]
+
+
+def test_a_study_in_python_gives_frames_of_its_cells_and_trials(study, f32):
+    report = tiswarm.study(study, trials=6, seed=3, overrides={"world.ticks": 60})
+    cells, trials = report.to_pandas(), report.to_pandas(per_trial=True)
+    assert cells.index.name == "cell"
+    assert len(cells) == 8
+    assert len(trials) == 48
+    assert cells.loc[5, "prey.count"] == report.rows[5].cell.point["prey.count"]
+    for number, row in enumerate(report.rows):
+        assert cells.loc[number, "success"] == row.estimate("success").mean
+        np.testing.assert_array_equal(trials.loc[number, "success"], row.outcomes["success"])
+    assert (trials.loc[3, "prey.goal"] == report.rows[3].cell.point["prey.goal"]).all()
+    assert "8 cells of 6 trials" in report._repr_html_()
+    again = pickle.loads(pickle.dumps(report))
+    assert again.to_pandas().equals(cells)

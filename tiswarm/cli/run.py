@@ -33,7 +33,11 @@ def run(
     sets: Sets = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write trials.csv, summary.json and manifest.json here."),
+        typer.Option("-o", "--output", metavar="DIR", help="Write the table of trials, summary.json and manifest.json here."),
+    ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--format", metavar="F", help="With -o: csv, parquet or netcdf, the table of trials; csv when left out."),
     ] = None,
     plot: Annotated[
         bool,
@@ -48,9 +52,13 @@ def run(
 ) -> None:
     """Run many trials of a scenario and print what came out."""
     import tiswarm
+    from tiswarm.records.tables import checked_form
     from tiswarm.studies import console
     from tiswarm.system.files import check_writable
 
+    if form is not None and output is None:
+        raise WrongInput(f"--format {form}: say where to write, with -o DIR")
+    written = checked_form(form or "csv")
     start(seed, threads, precision, strategy_path)
     scenario = load_scenario(preset, sets)
     plots = _plots_folder(preset, output) if plot else None
@@ -61,7 +69,7 @@ def run(
     results = tiswarm.simulate(scenario, trials, seed, progress=not quiet)
     seconds = time.perf_counter() - started
     if output is not None:
-        results.save(output, preset=preset, wall_time_s=round(seconds, 3))
+        results.save(output, written, preset=preset, wall_time_s=round(seconds, 3))
     if as_json:
         sys.stdout.write(results.summary_json() + "\n")
     else:

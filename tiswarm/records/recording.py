@@ -1,16 +1,22 @@
 """One trial's path, tick by tick: save it, load it, check it."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tiswarm.records import tables
 from tiswarm.records.archive import Archive, DamagedArchive
 from tiswarm.scenario.model import Scenario
 from tiswarm.space import box
 from tiswarm.system.files import replacing
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 MOST_SCENARIO = 1 << 20  # characters
 MOST_ITEM = 4 * 64  # bytes of one number or of one name
@@ -133,8 +139,70 @@ class Recording:
             ) from None
         return recording
 
+    def to_xarray(self) -> "xr.Dataset":
+        """Give position, velocity, state, group and fate along tick, agent (prey first) and axis, with obstacles and terms.
+
+        Units as CF has them; attributes say scenario, seed, trial and version. Needs the extra `data`. Errors: MissingExtra.
+        """
+        return tables.path_dataset(self)
+
+    def to_netcdf(self, path: str | os.PathLike) -> Path:
+        """Write what `to_xarray` gives as netCDF-4; the file appears whole or not at all. Errors: MissingExtra; OSError."""
+        return tables.write_dataset(self.to_xarray(), path)
+
+    def to_csv(self) -> str:
+        """Write a row for each agent and tick, those who are gone left out: tick, time [s], agent, kind, x, y, vx, vy, ..."""
+        from tiswarm.records.tracks import csv_of  # which builds on this module
+
+        return csv_of(self)
+
+    def to_tracks(self) -> "pd.DataFrame":
+        """Give the path as trackpy names it (frame, particle, x, y), with `t` for movingpandas, kind, velocity and state.
+
+        t: the time since the start as a date after 1970 began. Needs the extra `data`. Errors: MissingExtra.
+        """
+        from tiswarm.records.tracks import tracks_of
+
+        return tracks_of(self)
+
+    @classmethod
+    def from_tracks(
+        cls,
+        tracks: "pd.DataFrame | Mapping[str, np.ndarray]",
+        *,
+        size: Sequence[float] | None = None,
+        boundary: box.Boundary = "open",
+        dt: float = 1.0,
+        radius: float | None = None,
+        title: str = "Tracks",
+    ) -> "Recording":
+        """Make a recording of tracked animals, to be filmed and measured as any other.
+
+        tracks: columns frame and particle (or tick and agent), whole numbers, x, y and, in space, z [m], and kind ("prey", or
+            "predators" for hunters) where there are both. Tracks may begin and end at any frame; gaps within one are filled by
+            straight ways.
+        size: of the world [m], whose corner is the origin; by default the tracks' own extent, moved there.
+        boundary: "periodic" for animals that leave at one side and come back at the other.
+        dt: time between two frames [s]. radius: of a body [m], by default what films show well.
+
+        Velocities are differences of places. Who is lost before the last frame is gone, with the fate "alive".
+
+        Errors: ValueError for what is no table of tracks; ScenarioError for a world that cannot be.
+        """
+        from tiswarm.records.tracks import recording_of
+
+        return recording_of(tracks, size, boundary, dt, radius, title)
+
+    def _repr_html_(self) -> str:
+        from tiswarm.records.portrait import portrait
+
+        return portrait(self)
+
     def check(self) -> None:
-        """Raise ValueError unless shapes agree, numbers are finite, fates are known and nobody returns once gone."""
+        """Raise ValueError unless shapes agree, numbers are finite, fates are known and nobody returns once gone.
+
+        An agent may come after the start, as tracked animals do.
+        """
         if self.prey.position.ndim != 3 or 0 in self.prey.position.shape:
             raise ValueError("recording: prey position is not [tick, agent, dim], or is empty")
         if self.dim != self.scenario.world.dim:
@@ -155,7 +223,7 @@ class Recording:
                     raise ValueError(f"recording: {name} term {term} is not of shape {shape}")
             if not (_possible(swarm.velocity[swarm.alive]) and _possible(swarm.position[swarm.alive])):
                 raise ValueError(f"recording: {name} position and velocity are not finite where they are alive")
-            if (swarm.alive[1:] & ~swarm.alive[:-1]).any():
+            if (np.diff(swarm.alive.astype(np.int8), axis=0, prepend=0) > 0).sum(axis=0).max(initial=0) > 1:
                 raise ValueError(f"recording: an agent of {name} returns after it was gone")
         count = len(self.obstacle_radius) if self.obstacle_radius.ndim == 1 else -1
         if self.obstacle_position.shape != (count, self.dim) or not _possible(self.obstacle_position):

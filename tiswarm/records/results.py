@@ -8,15 +8,22 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tiswarm.records import tables
 from tiswarm.records.manifest import manifest
+from tiswarm.scenario import picture
 from tiswarm.scenario.measures import COUNTED
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd.runtime import Settings
+from tiswarm.system import card
 from tiswarm.system.files import write_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 Z95 = 1.959963984540054
 """Half the width of a 95 % interval in standard errors."""
@@ -130,22 +137,56 @@ class Results:
         """Write one row per trial, with the weights of its own behind."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow((*COLUMNS, *self.measures, *self.weights))
-        own: dict[str, Any] = {"trial": np.arange(self.trials), "seed": np.full(self.trials, self.seed, dtype=object)}
-        columns = [own.get(name, getattr(self, name, None)) for name in COLUMNS] + [
-            np.asarray(each) for each in (*self.measures.values(), *self.weights.values())
-        ]
-        writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+        columns = self.columns()
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
         return text.getvalue()
 
-    def save(self, folder: str | os.PathLike, **more: Any) -> Path:
-        """Write trials.csv, summary.json and manifest.json into a folder; `more` goes into the manifest."""
+    def columns(self) -> dict[str, np.ndarray]:
+        """Give what trials.csv holds: name -> [trial]; measures and weights of single trials behind."""
+        own: dict[str, Any] = {"trial": np.arange(self.trials), "seed": np.full(self.trials, self.seed, dtype=object)}
+        counted = {name: own.get(name, getattr(self, name, None)) for name in COLUMNS}
+        return counted | {name: np.asarray(each) for name, each in {**self.measures, **self.weights}.items()}
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Give a row for each trial: the columns of trials.csv with success, time and impact_spread.
+
+        `attrs` says what was run. Needs the extra `data`. Errors: MissingExtra (an ImportError).
+        """
+        return tables.frame_of(self)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Give the same along the dimension `trial`, with units, and attributes that say what was run.
+
+        Needs the extra `data`. Errors: MissingExtra (an ImportError).
+        """
+        return tables.dataset_of(self)
+
+    def _repr_html_(self) -> str:
+        rows = [(name, each.mean, each.low, each.high) for name, each in self.summary().items()]
+        told = f"{self.scenario.title}: {self.trials:,} trials, seed {self.seed}"
+        shown = picture.drawing_of(self.scenario)
+        return card.card(told, shown, card.table(rows, ("", "mean", "95 % from", "to")))
+
+    def save(self, folder: str | os.PathLike, form: tables.Form = "csv", **more: Any) -> Path:
+        """Write trials.csv, summary.json and manifest.json into a folder; `more` goes into the manifest.
+
+        form: "csv", or "parquet" or "netcdf" for trials.parquet or trials.nc in the place of trials.csv, which need the extra
+        `data`. Errors: ValueError for another one; MissingExtra.
+        """
+        tables.checked_form(form)
         folder = Path(folder)
-        write_text(folder / "trials.csv", self.to_csv())
+        table = folder / f"trials.{tables.SUFFIXES[form]}"
+        if form == "csv":
+            write_text(table, self.to_csv())
+        elif form == "parquet":
+            tables.write_frame(self.to_pandas(), table)
+        else:
+            tables.write_dataset(self.to_xarray(), table)
         write_text(folder / "summary.json", self.summary_json() + "\n")
         told = {"scenario": json.loads(self.scenario.to_json()), "scenario_hash": self.scenario.hash(), "trials": self.trials}
         told["engine"] = self.engine
-        told["weights_of_single_trials"] = sorted(self.weights)  # their numbers stand in trials.csv
+        told["weights_of_single_trials"] = sorted(self.weights)  # their numbers stand in the table of trials
         write_text(folder / "manifest.json", manifest(self.settings, seed=self.seed, **told, **more))
         return folder
 

@@ -28,6 +28,7 @@ from tiswarm.scenario.parts import (
     leaves,
     plain,
 )
+from tiswarm.scenario.picture import card_of
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
@@ -310,6 +311,9 @@ class Scenario(Part):
             words = registry.choices(catalogue, name)
             found |= {f"{side}.weights.{key}": float(known.index(weights[key])) for key, known in words.items()}
         return found
+
+    def _repr_html_(self) -> str:
+        return card_of(self)
 
     def replaced(self, overrides: Mapping[str, Any]) -> "Scenario":
         """Give the scenario with some keys changed. Errors: ScenarioError."""

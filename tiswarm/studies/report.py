@@ -5,13 +5,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tiswarm.records.results import Estimate
 from tiswarm.studies.design import Cell, Study
 from tiswarm.studies.statistics import Correlation, Paired, correlation, paired_tests, share_estimate
+from tiswarm.system import card
+from tiswarm.system.extras import needed
+from tiswarm.version import __version__
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 OUTCOMES = ("arrived", "captured", "crashed", "alive", "ticks", "first_arrival", "last_arrival")
 """What is kept of each trial besides the study's measures."""
@@ -156,6 +162,30 @@ class Report:
                 line |= {f"{measure}{end}": value for end, value in ends.items()}
             lines.append(line)
         return lines
+
+    def to_pandas(self, per_trial: bool = False) -> "pd.DataFrame":
+        """Give a row for each cell: its place on the axes, n, and mean, stderr, low and high of each measure.
+
+        per_trial: a row for each trial of each cell instead, with its outcomes and measures. Needs the extra `data`.
+        Errors: MissingExtra (an ImportError).
+        """
+        pandas = needed("data", "pandas")
+        if not per_trial:
+            frame = pandas.DataFrame(self.cells()).set_index("cell")
+        else:
+            parts = [pandas.DataFrame({"trial": range(row.trials), **row.outcomes}) for row in self.rows]
+            for part, row in zip(parts, self.rows, strict=True):
+                for at, (key, value) in enumerate(self.place(row).items()):
+                    part.insert(at, key, [value] * len(part))
+            frame = pandas.concat(parts, ignore_index=True).set_index(["cell", "trial"])
+        frame.attrs = {"title": self.study.title, "study": self.name, "seed": str(self.seed), "version": __version__}
+        return frame
+
+    def _repr_html_(self) -> str:
+        lines = self.cells()
+        shown = [name for name in lines[0] if not name.endswith(("_stderr", "_n"))]
+        told = f"{self.study.title}: {len(lines)} cells of {self.rows[0].trials:,} trials, seed {self.seed}"
+        return card.card(told, card.table([[line[name] for name in shown] for line in lines], shown))
 
     def place(self, row: Row) -> dict[str, Any]:
         """Name a cell: its number, its table where there are several, its point on the axes, its seed where it has its own."""

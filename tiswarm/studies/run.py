@@ -1,5 +1,6 @@
 """Run: run the cells of a design, batch by batch, each kept as soon as it is finished."""
 
+import os
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,26 @@ from tiswarm.studies.report import OUTCOMES, Report, Row
 from tiswarm.studies.store import Ledger
 from tiswarm.system.owner import locked
 from tiswarm.system.progress import reporting
+
+
+def study(
+    name: str | os.PathLike,
+    trials: int | None = None,
+    seed: int | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    folder: str | os.PathLike | None = None,
+    progress: Progress = False,
+) -> Report:
+    """Run all cells of a study: its name, or the path of its TOML file.
+
+    trials: per cell; seed: of all cells; the study's own when None. overrides: key -> value, in every cell.
+    folder: where finished cells are kept, so that a run cut short goes on with them; None keeps nothing.
+    progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
+
+    Errors: ScenarioError; ValueError for fewer than one trial, or when the folder holds another run.
+    """
+    return run_study(os.fspath(name), trials, seed, progress, Path(folder) if folder is not None else None, overrides=overrides)
 
 
 def run_study(
