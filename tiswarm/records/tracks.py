@@ -161,6 +161,7 @@ def _swarm(places: np.ndarray, period: np.ndarray, dt: float) -> Swarm:
         own = np.arange(there[0], there[-1] + 1)
         path = np.stack([np.interp(own, there, column) for column in unrolled.T], axis=1)
         filled[own, agent] = box.wrap(path, period) if period.any() else path
+        filled[there, agent] = places[there, agent]  # without the sum's rounding
         velocity[own, agent] = np.gradient(path, dt, axis=0) if len(own) > 1 else 0.0
     state, group = np.full((rows, count), "calm", "<U12"), np.full((rows, count), -1, np.int32)
     return Swarm(filled, velocity, np.full(count, "alive", "<U8"), state, group)
