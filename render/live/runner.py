@@ -177,7 +177,7 @@ class Runner:
             raise ValueError("the trial is over; wait for the next one")
         if kind == "predator" and not scenario.predators.count:
             raise ValueError("there are no predators in this world; set their count first, then drop more")
-        agents = {}
+        agents: dict[str, list[np.ndarray]] = {}
         for side in ("prey", "predators"):
             here = np.isfinite(simulation.position(side)[:, 0])
             agents[side] = [simulation.position(side)[here], simulation.velocity(side)[here]]
@@ -188,7 +188,8 @@ class Runner:
         else:
             radius = scenario.obstacles.radius[1] if len(radii) else BODY * min(scenario.world.size)
             where, radii = np.concatenate([where, spot]), np.append(radii, radius)
-        start = tiswarm.Start(*agents["prey"], *agents["predators"], where, radii)
+        (prey, pace), (hunters, chase) = agents["prey"], agents["predators"]
+        start = tiswarm.Start(prey, pace, hunters, chase, where, radii)
         left = scenario.replaced({"world.ticks": simulation.max_ticks - simulation.age})
         before, earlier = self._scene.counts() * np.array([0, 1, 1, 1]), self._scene.earlier + simulation.age
         taken = tiswarm.Simulation(left, self._seed, self._trial, start)

@@ -88,7 +88,7 @@ class Session:
 
     def do(self, message: Any) -> None:
         """Heed what a reader does. Errors: ValueError for what cannot be."""
-        act = self._acts.get(message.get("act")) if isinstance(message, dict) else None
+        act = self._acts.get(str(message.get("act"))) if isinstance(message, dict) else None
         if act is None:
             raise ValueError("that is no act of this page; load it anew")
         act(message)

@@ -47,7 +47,8 @@ export class Cloud {
     this.dim = dim;
     this.wraps = wraps;
     /** Places of two ticks, 65 536 steps over the box. */
-    this.before = this.now = new Uint16Array(0);
+    this.now = /** @type {Uint16Array} */ (new Uint16Array(0));
+    this.before = this.now;
     this.columns = this.rows = 1;
     /** Agents in a cell, were they spread evenly. */
     this.average = 1;
@@ -74,7 +75,7 @@ export class Cloud {
     const { lens, recording, time, theme } = view;
     const share = recording.ticks > 0 ? Math.min(Math.max(time - recording.ticks + 1, 0), 1) : 1;
     this.heat = theme.heat.map(colour);
-    if (lens instanceof Orbit) this._deep(view, lens, share);
+    if (lens instanceof Orbit) this._deep(lens, share);
     else this._flat(view, share);
     this._spread();
   }
@@ -101,7 +102,8 @@ export class Cloud {
     this._divide(width, height, across * up);
     const { columns, rows, counts, now, before } = this;
     for (let n = 0; n < now.length; n += 2) {
-      const x = (before[n] + (((now[n] - before[n]) << 16) >> 16) * share) & 65_535; // the shorter way, as edges that wrap have it
+      // The shorter way, as edges that wrap have it.
+      const x = (before[n] + (((now[n] - before[n]) << 16) >> 16) * share) & 65_535;
       const y = (before[n + 1] + (((now[n + 1] - before[n + 1]) << 16) >> 16) * share) & 65_535;
       counts[(rows - 1 - ((y * rows) >> 16)) * columns + ((x * columns) >> 16)] += 1;
     }
@@ -112,8 +114,8 @@ export class Cloud {
     this.edges = [left, top, lens.x, lens.y];
   }
 
-  /** Cells of the screen. @param {View} view @param {Orbit} lens @param {number} share */
-  _deep(view, lens, share) {
+  /** Cells of the screen. @param {Orbit} lens @param {number} share */
+  _deep(lens, share) {
     const { x: left, y: top, width, height } = lens.rect;
     const { low, high } = this.box;
     this._divide(width, height, width * height);
@@ -144,7 +146,8 @@ export class Cloud {
 
   /**
    * Paint it by WebGL.
-   * @param {WebGL2RenderingContext} gl @param {WebGLVertexArrayObject | null} nothing @param {number} width @param {number} height
+   * @param {WebGL2RenderingContext} gl @param {WebGLVertexArrayObject | null} nothing
+   * @param {number} width @param {number} height
    */
   paint(gl, nothing, width, height) {
     const brush = this.brushes.get(gl) ?? made(gl);
@@ -187,7 +190,8 @@ export class Cloud {
 /**
  * Spread numbers along one axis.
  * @param {Float32Array} from @param {Float32Array} to @param {number} length along the axis @param {number} lines across it
- * @param {number} step from one number to the next along the axis @param {number} stride from line to line @param {boolean} wraps
+ * @param {number} step from one number to the next along the axis @param {number} stride from line to line
+ * @param {boolean} wraps
  */
 function blur(from, to, length, lines, step, stride, wraps) {
   const half = SPREAD_OUT.length >> 1;

@@ -99,7 +99,8 @@ export class Desk {
 
   /** @param {HTMLElement} row @param {Knob} knob */
   _slider(row, knob) {
-    const [slider, number, unit] = [document.createElement("input"), document.createElement("input"), document.createElement("span")];
+    const [slider, number] = [document.createElement("input"), document.createElement("input")];
+    const unit = document.createElement("span");
     slider.type = "range";
     slider.id = `knob-${knob.path}`;
     slider.setAttribute("aria-describedby", `said-${knob.path}`);
@@ -131,10 +132,13 @@ export class Desk {
     row.append(number, unit, slider);
   }
 
-  /** Tell what was turned, at most once a frame. @param {string} path @param {number | string} value @param {boolean} [at_once] */
-  _turn(path, value, at_once = false) {
+  /**
+   * Tell what was turned, at most once a frame.
+   * @param {string} path @param {number | string} value @param {boolean} [now]
+   */
+  _turn(path, value, now = false) {
     this.turned.set(path, performance.now());
-    if (at_once) {
+    if (now) {
       this.waiting.delete(path);
       this.turn(path, value);
       return;
@@ -148,7 +152,10 @@ export class Desk {
     this.waiting.clear();
   }
 
-  /** Show numbers as they are now. @param {Record<string, number | string>} values @param {boolean} [own] those just turned, too */
+  /**
+   * Show numbers as they are now.
+   * @param {Record<string, number | string>} values @param {boolean} [own] those just turned, too
+   */
   show(values, own = false) {
     const now = performance.now();
     for (const [path, value] of Object.entries(values)) {

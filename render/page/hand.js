@@ -19,6 +19,8 @@ export class WorldHand {
     this.tool = null;
     /** Where the target is dragged to. @type {number[] | null} */
     this.wanted = null;
+    /** Whether the target is held. */
+    this.busy = false;
     for (const kind of DROPS) {
       part(`drop-${kind}`, HTMLButtonElement).addEventListener("click", () => this.take(this.tool === kind ? null : kind));
     }
@@ -56,7 +58,8 @@ export class WorldHand {
     const [x, y] = this.stage.spot(event);
     lens.place(target.position[0], target.position[1]);
     const within = Math.max(HOLD_NEAR * (window.devicePixelRatio || 1), target.radius * lens.scale);
-    return Math.hypot(lens.x - x, lens.y - y) < within;
+    this.busy = Math.hypot(lens.x - x, lens.y - y) < within;
+    return this.busy;
   }
 
   /** @param {PointerEvent} event */
@@ -82,6 +85,7 @@ export class WorldHand {
   /** @param {PointerEvent} event */
   release(event) {
     if (this.wanted) this.move(event);
+    this.busy = false;
   }
 
   /** @param {PointerEvent} event */

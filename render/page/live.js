@@ -23,6 +23,10 @@ class LivePage {
     this.header = null;
     /** @type {Scene | null} */
     this.scene = null;
+    /** @type {Window | null} */
+    this.window = null;
+    /** @type {Record<string, number | string>} */
+    this.values = {};
     /** The last change whose frame was drawn. */
     this.heard = -1;
     this.serial = 0;
@@ -61,7 +65,7 @@ class LivePage {
     else if (message.kind === "trials") showOutcomes(/** @type {any} */ (message));
     else if (message.kind === "note") {
       this.note(message.words);
-      if (message.wrong) this.desk.show(this.values ?? {}, true);
+      if (message.wrong) this.desk.show(this.values, true);
     }
   }
 
@@ -98,13 +102,16 @@ class LivePage {
     this.heard = frame.heard;
     if (fresh) this._begin(window, frame);
     else {
-      /** @type {WindowPaths} */ (this.scene?.paths).extend();
+      if (this.scene?.paths instanceof WindowPaths) this.scene.paths.extend();
       this.scene?.cloud?.push(frame.cloud);
       this.clock.arrived(forgotten);
     }
   }
 
-  /** Show another trial, from where the last one was looked at. @param {Window} window @param {import("./window.js").Frame} frame */
+  /**
+   * Show another trial, from where the last one was looked at.
+   * @param {Window} window @param {import("./window.js").Frame} frame
+   */
   _begin(window, frame) {
     const { header } = window;
     const before = this.scene;
@@ -139,7 +146,6 @@ class LivePage {
     this.player = play([scene], this.clock, this.settings, this.theme, false);
     const { stage, controls } = this.player;
     stage.hand = new WorldHand(stage, (message) => this.wire.send(message));
-    if (this.values) this.desk.show(this.values);
     controls.show();
     if (matchMedia("(prefers-reduced-motion: reduce)").matches && this.clock.playing) this.clock.pause();
     /** For whoever scripts the page. */

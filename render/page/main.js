@@ -64,6 +64,7 @@ async function main() {
   document.body.dataset.view = "player";
   part("overview", HTMLElement).hidden = settings.view !== "gallery";
   const chosen = settings.view === "gallery" ? [asked - 1] : shelf.headers.keys();
+  /** @type {Recording[]} */
   const recordings = [];
   for (const n of chosen) recordings.push(await shelf.read(n));
   const scenes = recordings.map((recording) => new Scene(recording, recordings));

@@ -63,6 +63,8 @@ export function showOutcomes({ now, before, watched }) {
   }
   table.replaceChildren(head, body);
   table.hidden = !names.length;
-  const took = now.trials ? `${now.trials.toLocaleString("en")} trials with these numbers in ${number(now.seconds ?? 0, 2)} s` : "";
-  state.textContent = now.refused ? `No trials in the background: ${now.refused}` : took || "Trials with these numbers are running…";
+  const seconds = number(now.seconds ?? 0, 2);
+  if (now.refused) state.textContent = `No trials in the background: ${now.refused}`;
+  else if (now.trials) state.textContent = `${count(now)} trials with these numbers in ${seconds} s`;
+  else state.textContent = "Trials with these numbers are running…";
 }

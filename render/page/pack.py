@@ -139,7 +139,7 @@ def told(recording: Recording | Live, counts: Mapping[str, int]) -> Header:
         "seed": recording.seed,
         "trial": recording.trial,
         "ticks": recording.ticks,
-        "dim": recording.dim,
+        "dim": world.dim,
         "dt": world.dt,
         "size": list(world.size),
         "heights": list(heights(recording)),

@@ -14,7 +14,8 @@ const LAG = 1.5;
 /** A connection that comes back. */
 export class Wire {
   /**
-   * @param {(message: {kind: string} & Record<string, any>) => void} told @param {(frame: import("./window.js").Frame) => void} shown
+   * @param {(message: {kind: string} & Record<string, any>) => void} told
+   * @param {(frame: import("./window.js").Frame) => void} shown
    * @param {(open: boolean) => void} changed
    */
   constructor(told, shown, changed) {

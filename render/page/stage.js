@@ -24,7 +24,7 @@ const HEAD = 30;
 /**
  * @typedef {{scene: number, agent: number}} Looked
  * @typedef {{grasp(event: PointerEvent): boolean, move(event: PointerEvent): void, release(event: PointerEvent): void,
- *   tap(event: PointerEvent): boolean}} Hand
+ *   tap(event: PointerEvent): boolean, busy: boolean}} Hand
  */
 
 export class Stage {

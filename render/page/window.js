@@ -5,10 +5,10 @@ import { Paths } from "./paths.js";
 
 /** @typedef {import("./decode.js").Header & {scene: number, states: string[], cloud: Box | null}} LiveHeader */
 
-/** @typedef {{low: number[], high: number[], count: number}} Box what a cloud's numbers are shares of, and of how many agents */
+/** @typedef {{low: number[], high: number[], count: number}} Box what a cloud's numbers are shares of; how many agents */
 
 /**
- * @typedef {{scene: number, tick: number, heard: number, ended: boolean, counts: number[], lone: number, position: Float32Array,
+ * @typedef {{scene: number, tick: number, heard: number, ended: boolean, counts: number[], position: Float32Array,
  *   velocity: Float32Array, group: Int16Array, state: Uint8Array, fate: Uint8Array, cloud: Uint16Array}} Frame
  */
 
@@ -34,7 +34,7 @@ export function readFrame(bytes) {
   const real = (/** @type {number} */ from, /** @type {number} */ length) => new Float32Array(bytes, from, length);
   const small = (/** @type {number} */ from, /** @type {number} */ length) => new Uint8Array(bytes, from, length);
   return {
-    ...{ scene, tick, heard, ended: ended > 0, counts: [a, b, c, d], lone },
+    ...{ scene, tick, heard, ended: ended > 0, counts: [a, b, c, d] },
     position: next(real, lone * dim, 4),
     velocity: next(real, lone * dim, 4),
     group: next((from, length) => new Int16Array(bytes, from, length), lone, 2),
@@ -67,7 +67,10 @@ export class Window extends Recording {
     // nothing is there yet
   }
 
-  /** Add a frame; a second one of the same tick takes the first one's place. @param {Frame} frame @returns {number} rows forgotten */
+  /**
+   * Add a frame; a second one of the same tick takes the first one's place.
+   * @param {Frame} frame @returns {number} rows forgotten
+   */
   push(frame) {
     const { count, dim } = this;
     const again = this.ticks >= 0 && this.when[this.ticks] === frame.tick;
