@@ -51,8 +51,8 @@ def run(pipe: Connection, settings: Settings) -> None:
 def _answer(pipe: Connection, asked: Asked) -> None:
     """Estimate ever more finely, until the next question comes."""
     scenario = tiswarm.Scenario.from_json(asked.scenario)
-    begun = time.monotonic()
     for count in SIZES:
+        begun = time.monotonic()
         results = tiswarm.simulate(scenario, count, asked.seed)
         rows = {name: row(results.measure(name)) for name in shown(scenario)}
         pipe.send(("trials", asked.number, count, rows, time.monotonic() - begun))

@@ -37,7 +37,7 @@ export class Desk {
     const folded = new Map([...this.place.querySelectorAll("details")].map((each) => [each.id, each.open]));
     this.shows.clear();
     const boxes = [];
-    for (const group of /** @type {const} */ (["world", "prey", "predators"])) {
+    for (const group of /** @type {const} */ (["prey", "predators", "world"])) {
       const own = knobs.filter((knob) => knob.group === group);
       if (!own.length) continue;
       const box = this._box(`knobs-${group}`, HEADS[group], folded.get(`knobs-${group}`) ?? true);

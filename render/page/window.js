@@ -15,16 +15,16 @@ import { Paths } from "./paths.js";
 const FRAME_FORMAT = 1;
 
 /** Whole numbers at the head of a frame. */
-const HEAD = 12;
+const FRAME_HEAD = 12;
 
 /** Ticks that are kept: as long as trails are, and a little more to look back. */
 const KEPT = 60;
 
 /** Read a frame as `render/live/frame.py` writes it. @param {ArrayBuffer} bytes @returns {Frame} */
 export function readFrame(bytes) {
-  const [format, scene, tick, heard, ended, a, b, c, d, lone, cloud, dim] = new Uint32Array(bytes, 0, HEAD);
+  const [format, scene, tick, heard, ended, a, b, c, d, lone, cloud, dim] = new Uint32Array(bytes, 0, FRAME_HEAD);
   if (format !== FRAME_FORMAT) throw new Error(`this page reads frames of format ${FRAME_FORMAT}, not ${format}`);
-  let at = HEAD * 4;
+  let at = FRAME_HEAD * 4;
   /** @template T @param {(at: number, length: number) => T} made @param {number} length @param {number} width @returns {T} */
   const next = (made, length, width) => {
     const found = made(at, length);
