@@ -14,7 +14,7 @@ from render.live.worker import Settings
 from tiswarm.records.recording import FATES
 
 FRAMES = 60.0
-"""Frames a second at most: at a faster pace each shows several ticks."""
+"""Frames a second that are enough: at twice the pace each shows two ticks, and so on."""
 
 HOLD = 1.2
 """Seconds that the end of a trial is looked at before the next one begins."""
@@ -113,7 +113,7 @@ class Runner:
             self._begin()
             self._due = now + 1 / self._rate
             return
-        ticks = max(round(self._rate / FRAMES), 1)
+        ticks = max(int(self._rate / FRAMES), 1)
         self._run(ticks)
         self._due = max(self._due, now - LATE) + ticks / self._rate
         if simulation.ended:

@@ -114,24 +114,41 @@ export class Cloud {
     this.edges = [left, top, lens.x, lens.y];
   }
 
-  /** Cells of the screen. @param {Orbit} lens @param {number} share */
+  /** Cells of the part of the screen that the agents fill. @param {Orbit} lens @param {number} share */
   _deep(lens, share) {
-    const { x: left, y: top, width, height } = lens.rect;
     const { low, high } = this.box;
-    this._divide(width, height, width * height);
-    const { columns, rows, counts, now, before } = this;
+    const { now, before } = this;
     const steps = low.map((each, axis) => (high[axis] - each) / 65_536);
+    const seen = new Float32Array(now.length);
+    const place = (/** @type {number} */ n, /** @type {number} */ axis) => {
+      const way = ((now[n] - before[n]) << 16) >> 16;
+      return low[axis] + steps[axis] * ((before[n] + way * share) & 65_535);
+    };
+    let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
     for (let n = 0; n < now.length; n += 3) {
-      const [x, y, z] = [0, 1, 2].map((axis) => {
-        const way = ((now[n + axis] - before[n + axis]) << 16) >> 16;
-        return low[axis] + steps[axis] * ((before[n + axis] + way * share) & 65_535);
-      });
-      lens.place(x, y, z);
-      const [column, row] = [Math.floor(((lens.x - left) / width) * columns), Math.floor(((lens.y - top) / height) * rows)];
-      if (column >= 0 && column < columns && row >= 0 && row < rows) counts[row * columns + column] += lens.near ** 3;
+      lens.place(place(n, 0), place(n + 1, 1), place(n + 2, 2));
+      seen[n] = lens.x;
+      seen[n + 1] = lens.y;
+      seen[n + 2] = lens.near ** 3;
+      left = Math.min(left, lens.x);
+      right = Math.max(right, lens.x);
+      top = Math.min(top, lens.y);
+      bottom = Math.max(bottom, lens.y);
+    }
+    const { rect } = lens;
+    const rim = 0.02 * Math.max(right - left, bottom - top, 0) + 4; // room for what is spread
+    this.edges = [Math.max(left - rim, rect.x), Math.max(top - rim, rect.y)];
+    this.edges.push(Math.max(Math.min(right + rim, rect.x + rect.width), this.edges[0] + 1));
+    this.edges.push(Math.max(Math.min(bottom + rim, rect.y + rect.height), this.edges[1] + 1));
+    const [width, height] = [this.edges[2] - this.edges[0], this.edges[3] - this.edges[1]];
+    this._divide(width, height, width * height);
+    const { columns, rows, counts } = this;
+    for (let n = 0; n < seen.length; n += 3) {
+      const column = Math.floor(((seen[n] - this.edges[0]) / width) * columns);
+      const row = Math.floor(((seen[n + 1] - this.edges[1]) / height) * rows);
+      if (column >= 0 && column < columns && row >= 0 && row < rows) counts[row * columns + column] += seen[n + 2];
     }
     this.average = (DEEP * this.box.count) / counts.length;
-    this.edges = [left, top, left + width, top + height];
   }
 
   /** Spread counts over neighbouring cells, and turn them into places on the scale of colours. */

@@ -20,8 +20,8 @@ function estimate(told, unit, times) {
   if (!told || told[0] === null) return "–";
   const [mean, low, high] = told.map((each) => (each === null ? NaN : each * times));
   const half = (high - low) / 2;
-  const digits = half > 0 ? Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 4) : 2;
-  const spread = Number.isFinite(half) ? ` ± ${number(half, digits)}` : "";
+  const digits = half > 0 ? Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 3) : 2;
+  const spread = half > 0 ? ` ± ${number(half, digits)}` : "";
   return `${number(mean, digits)}${spread}${unit ? ` ${unit}` : ""}`;
 }
 

@@ -16,9 +16,9 @@ WORDS = {
     "perception": "how far agents see",
     "max_speed": "speed limit",
     "radius": "size of an agent's body",
-    "prey.count": "prey; a new trial begins",
-    "predators.count": "predators; a new trial begins",
-    "obstacles.count": "obstacles; a new trial begins",
+    "prey.count": "how many; a new trial begins",
+    "predators.count": "how many; a new trial begins",
+    "obstacles.count": "how many; a new trial begins",
     "target.position.0": "where the target is, to the east",
     "target.position.1": "where the target is, to the north",
 }
@@ -103,7 +103,7 @@ def _counts(scenario: Scenario, reference: Scenario) -> list[Knob]:
         high = max(min(SPAN * before, before + 50_000), 10, value)
         found.append(
             Knob(
-                *(path, "world", "", f"{kind} count", value, WORDS[path], ""),
+                *(path, "world", "", kind, value, WORDS[path], ""),
                 *(least, high, max(1, round(high / STEPS)), least, MOST_AGENTS),
                 anew=True,
             )
