@@ -82,9 +82,11 @@ class Session:
     def close(self) -> None:
         """End all processes."""
         self._table.close()
-        for worker in (self._runner, self._coming):
-            if worker is not None:
-                worker.close()
+        workers = [each for each in (self._runner, self._coming, self._table.worker) if each is not None]
+        for worker in workers:
+            worker.end()
+        for worker in workers:
+            worker.close()
 
     def do(self, message: Any) -> None:
         """Heed what a reader does. Errors: ValueError for what cannot be."""
@@ -115,6 +117,7 @@ class Session:
                 self._trial = said[0]["trial"]
                 self._tell("scene", said[0])
                 self._tell_state()
+                self._tell_values()  # the film is of another trial
             elif name == "ended":
                 counts, seconds, serial = said
                 if serial == self._serial:
@@ -196,7 +199,7 @@ class Session:
 
     def _build(self, scenario: tiswarm.Scenario) -> None:
         if self._coming is not None:
-            self._coming.close()
+            self._coming.leave()
         self._next, self._since = scenario, []
         self._coming = self._start(scenario)
         self._tell_knobs()
@@ -207,7 +210,7 @@ class Session:
         assert self._coming is not None
         assert self._next is not None
         if name in ("failed", "gone"):
-            self._coming.close()
+            self._coming.leave()
             self._coming, self._next = None, None
             self._note(said[0] if said else "the new simulation has ended before it began")
             self._tell_knobs()
@@ -215,7 +218,7 @@ class Session:
         elif name == "scene":
             old, self._runner, self.scenario = self._runner, self._coming, self._next
             self._coming, self._next = None, None
-            old.close()
+            old.leave()
             self._runner.send("rate", self._rate)
             self._runner.send("play", self._playing)
             self._changed()

@@ -29,10 +29,9 @@ class Table:
         self._watched: list[list[float]] = []
 
     def close(self) -> None:
-        """End the process."""
+        """Ask nothing more."""
         if self._timer is not None:
             self._timer.cancel()
-        self.worker.close()
 
     def settle(self, scenario: tiswarm.Scenario, seed: int) -> None:
         """Run trials of another scenario once its numbers have come to rest."""

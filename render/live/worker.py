@@ -13,7 +13,7 @@ from typing import Any
 
 Message = tuple[Any, ...]
 
-LAST = 2.0
+LAST = 1.5
 """Seconds that a process has to end by itself."""
 
 
@@ -57,10 +57,19 @@ class Worker:
         """Say something, without waiting for it to be read."""
         self._words.put(message)
 
-    def close(self) -> None:
-        """End the process."""
+    def end(self) -> None:
+        """Ask the process to end, without waiting for it."""
         self._closed = True
         self._words.put(None)
+
+    def leave(self) -> None:
+        """End the process while others go on."""
+        self.end()
+        threading.Thread(target=self.close, daemon=True).start()
+
+    def close(self) -> None:
+        """End the process, and wait until it has."""
+        self.end()
         self._process.join(LAST)
         if self._process.is_alive():  # it compiles, which nothing interrupts
             self._process.kill()

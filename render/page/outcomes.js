@@ -38,6 +38,7 @@ function cell(row, words, head = false, kind = "") {
   if (head) made.scope = row.parentElement?.tagName === "THEAD" ? "col" : "row";
   made.textContent = words;
   made.className = kind;
+  if (kind === "apart") made.title = "The intervals of now and before have nothing in common.";
   row.append(made);
 }
 
@@ -48,7 +49,7 @@ export function showOutcomes({ now, before, watched }) {
   const [head, body] = [document.createElement("thead"), document.createElement("tbody")];
   const top = head.insertRow();
   const count = (/** @type {Estimate} */ each) => (each.trials ?? 0).toLocaleString("en");
-  cell(top, "Mean of trials, 95 %", true);
+  cell(top, "Mean, 95 %", true);
   cell(top, now.trials ? `now (${count(now)})` : "now", true);
   cell(top, before.trials ? `before (${count(before)})` : "before", true);
   cell(top, `watched (${count(watched)})`, true);

@@ -28,7 +28,10 @@ export class Pointers {
       if (this.grasped) stage.hand?.release(event);
       else if (this.moved < STILL && !stage.hand?.tap(event)) stage.tap(event);
     });
-    canvas.addEventListener("pointercancel", (event) => this.down.delete(event.pointerId));
+    canvas.addEventListener("pointercancel", (event) => {
+      this.down.delete(event.pointerId);
+      if (this.grasped) stage.hand?.release(event);
+    });
     canvas.addEventListener("pointerleave", () => {
       stage.hovered = { scene: 0, agent: -1 };
       stage.stale = true;
