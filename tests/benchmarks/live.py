@@ -2,9 +2,9 @@
 
     python tests/benchmarks/live.py [--browser]
 
-Frames are counted by a reader without a browser, which checks that their ticks go up; `--browser` times a slider in Chromium, from
-its event to the frame that heeds it, and to the picture of it, and how long the page takes to lay out a frame. Without a graphics
-card the browser draws on the processor, which is most of what the last of these times take.
+Frames are counted by a reader without a browser, which checks that their ticks go up; `--browser` times a slider in Chromium,
+from its event to the frame that heeds it, and to the picture of it, and how long the page takes to lay out a frame. Without a
+graphics card the browser draws on the processor, which is most of what the last of these times take.
 """
 
 import sys
