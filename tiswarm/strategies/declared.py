@@ -6,6 +6,7 @@ import re
 import textwrap
 import tokenize
 from dataclasses import dataclass
+from functools import cache
 
 _UNIT = re.compile(r"\s*\[([^\]]+)\]")
 _BARE = re.compile(r"((?:rad/s|m/s|m|s))(?:, (.*))?$")
@@ -19,6 +20,7 @@ class Declared:
     unit: str = ""
 
 
+@cache
 def declared(owner: type) -> dict[str, Declared]:
     """Read the comments beside a class's annotated names, and those of its bases where it says nothing itself.
 
