@@ -23,7 +23,7 @@ class Table:
         self.worker = worker
         self._loop, self._tell = loop, tell
         self._timer: TimerHandle | None = None
-        self._asked = 0
+        self._asked = trials.Asked(0, "", 0)
         self._rows: dict[str, Any] = {}
         self._before: dict[str, Any] = {}
         self._watched: list[list[float]] = []
@@ -50,7 +50,7 @@ class Table:
         """Hear the process: an estimate, or why there is none."""
         if name == "trials":
             asked, count, rows, seconds = said
-            if asked != self._asked:
+            if asked != self._asked.number:
                 return
             self._rows = {"trials": count, "rows": rows, "seconds": seconds}
         else:
@@ -58,13 +58,15 @@ class Table:
         self._show()
 
     def _ask(self, scenario: tiswarm.Scenario, seed: int) -> None:
-        if self._rows.get("trials") == trials.SIZES[-1]:
-            self._before = self._rows
-        self._asked += 1
-        refused = trials.refused(scenario)
-        self._rows = {"refused": refused} if refused else {}
-        if not refused:
-            self.worker.send("ask", trials.Asked(self._asked, trials.measured(scenario).to_json(), seed))
+        asked = trials.Asked(self._asked.number + 1, trials.measured(scenario).to_json(), seed)
+        if (asked.scenario, asked.seed) != (self._asked.scenario, self._asked.seed):  # else the same trials are watched again
+            if self._rows.get("trials") == trials.SIZES[-1]:
+                self._before = self._rows
+            self._asked = asked
+            refused = trials.refused(scenario)
+            self._rows = {"refused": refused} if refused else {}
+            if not refused:
+                self.worker.send("ask", asked)
         self._show()
 
     def _show(self) -> None:

@@ -142,7 +142,6 @@ export class Controls {
     document.documentElement.dataset.theme = stage.theme;
     stage.touched();
     this.drawMarks();
-    this.clock.seek(this.clock.time);
   }
 
   fullScreen() {

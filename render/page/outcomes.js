@@ -9,20 +9,19 @@ import { number } from "./plots.js";
 
 /** Measures in words, with their unit and how many times 1 that is. @type {Record<string, [string, string, number]>} */
 const NAMES = {
-  success: ["prey that arrive", "%", 100],
+  success: ["arrived", "%", 100],
   captured: ["captured", "", 1],
   crashed: ["crashed", "", 1],
   time: ["time", "s", 1],
 };
 
-/** Write a mean with half its interval. @param {Interval | undefined} told @param {string} unit @param {number} times */
-function estimate(told, unit, times) {
+/** Write a mean with half its interval. @param {Interval | undefined} told @param {number} times */
+function estimate(told, times) {
   if (!told || told[0] === null) return "–";
   const [mean, low, high] = told.map((each) => (each === null ? NaN : each * times));
   const half = (high - low) / 2;
   const digits = half > 0 ? Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 3) : 2;
-  const spread = half > 0 ? ` ± ${number(half, digits)}` : "";
-  return `${number(mean, digits)}${spread}${unit ? ` ${unit}` : ""}`;
+  return `${number(mean, digits)}${half > 0 ? ` ± ${number(half, digits)}` : ""}`;
 }
 
 /** Tell whether two intervals have nothing in common. @param {Interval | undefined} a @param {Interval | undefined} b */
@@ -57,10 +56,10 @@ export function showOutcomes({ now, before, watched }) {
   for (const name of names) {
     const [words, unit, times] = NAMES[name] ?? [name, "", 1];
     const row = body.insertRow();
-    cell(row, words, true);
-    cell(row, estimate(now.rows?.[name], unit, times), false, apart(now.rows?.[name], before.rows?.[name]) ? "apart" : "");
-    cell(row, estimate(before.rows?.[name], unit, times));
-    cell(row, estimate(watched.rows?.[name], unit, times));
+    cell(row, unit ? `${words} [${unit}]` : words, true);
+    cell(row, estimate(now.rows?.[name], times), false, apart(now.rows?.[name], before.rows?.[name]) ? "apart" : "");
+    cell(row, estimate(before.rows?.[name], times));
+    cell(row, estimate(watched.rows?.[name], times));
   }
   table.replaceChildren(head, body);
   table.hidden = !names.length;

@@ -37,11 +37,16 @@ def page(browser, live):
 def test_a_slider_moves_a_weight_of_the_simulation(page):
     page.run(SLIDE, "prey.goal", 0.3)
     page.until("return tiswarm.page.values['prey.goal'] === 0.3 && tiswarm.page.heard >= tiswarm.page.serial")
-    page.press("t")  # the page is alive
     assert "prey.goal=0.3" in page.run("return document.getElementById('command').value")
     page.until("return document.getElementById('outcomes-state').textContent.startsWith('1,000 trials')")
     page.run(SLIDE, "prey.goal", 0.1)
     page.until("return document.querySelector('#outcomes thead').textContent.includes('before (1,000)')")
+    before = "return [...document.querySelectorAll('#outcomes td:nth-child(3)')].map(e => e.textContent)"
+    told = page.run(before)
+    page.run("document.getElementById('again').click()")  # the same trials once more: nothing new to compare
+    page.until("return tiswarm.page.heard >= tiswarm.page.serial && tiswarm.scene().ticks === 0")
+    page.until("return document.getElementById('outcomes-state').textContent.startsWith('1,000 trials')")
+    assert page.run(before) == told
 
 
 def test_what_the_page_draws_is_what_the_simulation_sent(page):
@@ -61,6 +66,9 @@ def test_what_the_page_draws_is_what_the_simulation_sent(page):
 def test_it_plays_pauses_steps_and_looks_back(page):
     page.press(" ")
     page.until("return tiswarm.scene().ticks > 4 && tiswarm.clock.shown > 2")
+    page.press("t", "t")
+    page.drawn()
+    assert page.run("return tiswarm.clock.playing")  # dark or light stops nothing
     page.press(" ")
     page.until("return tiswarm.page.state.playing === false")
     page.until("return tiswarm.clock.shown === tiswarm.scene().when[tiswarm.scene().ticks]")
