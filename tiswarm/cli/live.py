@@ -39,7 +39,7 @@ def live(
 ) -> None:
     """Run a simulation in a page of this machine: turn its numbers, drop obstacles, see what a thousand trials say."""
     if importlib.util.find_spec("aiohttp") is None:
-        raise WrongInput('live: needs aiohttp; pip install "tiswarm[live]"')
+        raise WrongInput("live: aiohttp is not installed; pip install 'tiswarm[live]'")
     import tiswarm
     from render.live import serve
     from render.live.session import Begun

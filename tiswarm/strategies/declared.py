@@ -20,7 +20,6 @@ class Declared:
     unit: str = ""
 
 
-@cache
 def declared(owner: type) -> dict[str, Declared]:
     """Read the comments beside a class's annotated names, and those of its bases where it says nothing itself.
 
@@ -33,6 +32,7 @@ def declared(owner: type) -> dict[str, Declared]:
     return found
 
 
+@cache
 def _comments(cls: type) -> dict[str, str]:
     """Find the comment on the line of each annotated name."""
     try:
