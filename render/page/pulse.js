@@ -67,7 +67,7 @@ export class LiveClock extends Clock {
   /** Follow another window. @param {Window} window */
   follow(window) {
     this.window = window;
-    this.last = window.header.ticks;
+    this.last = window.live.ticks;
     this.time = window.ticks;
     this.back = 0;
     this.fresh = true;
