@@ -137,6 +137,7 @@ export function pixelOf({ recording, paths, lens }, agent) {
  * @param {Recording} recording @param {number} time @returns {number[]} as FATES
  */
 export function tally(recording, time) {
+  if (recording.counts) return recording.counts;
   const counts = [0, 0, 0, 0];
   for (let agent = 0; agent < recording.prey; agent++) counts[recording.end[agent] <= time ? recording.fate[agent] : 0] += 1;
   return counts;

@@ -3,7 +3,7 @@
 import { HOLD } from "./scene.js";
 
 /** Ticks a second at speed 1: those of a film. */
-const PACE = 10;
+export const PACE = 10;
 
 /** Speeds to choose from, from a tenth to twenty times a film's. */
 export const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20];
@@ -18,6 +18,11 @@ export class Clock {
     this.loop = false;
     /** @type {(() => void)[]} */
     this.watchers = [];
+  }
+
+  /** The tick that is shown, with its fraction. */
+  get shown() {
+    return Math.min(this.time, this.last);
   }
 
   /** Call something whenever the clock is touched. @param {() => void} watcher */

@@ -36,26 +36,30 @@ export class Controls {
     this.loop = part("loop", HTMLButtonElement);
     this.said = part("said", HTMLElement);
     this.help = part("help", HTMLDialogElement);
-    this._fill();
+    this.fill();
     this._listen();
     clock.watch(() => this.show());
     stage.watchers.push(() => this._chosen());
   }
 
   /** Write menus, switches and words that depend on the recordings. */
-  _fill() {
+  fill() {
     const { scenes, switches } = this.stage;
     const [{ recording }] = scenes;
+    this.speed.replaceChildren();
+    this.agent.replaceChildren();
     this.scrub.max = String(this.clock.last);
-    for (const speed of SPEEDS) this.speed.add(new Option(`${speed}×`, String(speed), speed === 1, speed === 1));
+    for (const speed of SPEEDS) this.speed.add(new Option(`${speed}×`, String(speed)));
+    this.speed.value = String(this.clock.speed);
     this.agent.add(new Option("nobody", "-1"));
     for (let agent = 0; agent < Math.min(recording.count, 2000); agent++) {
       this.agent.add(new Option(recording.name(agent), String(agent)));
     }
     const place = part("switches", HTMLElement);
+    place.querySelectorAll("label").forEach((label) => label.remove());
     for (const [name, words] of SWITCHES) {
       if (name === "field" && !scenes.some(({ recording: each }) => each.field.length)) continue;
-      if (name === "coverage" && recording.dim > 2) continue;
+      if (name === "coverage" && (recording.dim > 2 || recording.counts)) continue; // all ticks must be known
       const label = document.createElement("label");
       const box = document.createElement("input");
       box.type = "checkbox";
@@ -82,6 +86,7 @@ export class Controls {
     const parts = [header.source, header.preset, `seed ${header.seed}`, `trial ${header.trial}`];
     part("subtitle", HTMLElement).textContent = parts.filter(Boolean).join(" · ");
     const who = part("who", HTMLElement);
+    who.replaceChildren();
     for (const kind of /** @type {const} */ (["prey", "predators"])) {
       const agents = header[kind];
       if (!agents.count) continue;
@@ -137,7 +142,6 @@ export class Controls {
     document.documentElement.dataset.theme = stage.theme;
     stage.touched();
     this.drawMarks();
-    this.clock.seek(this.clock.time);
   }
 
   fullScreen() {
@@ -188,7 +192,7 @@ export class Controls {
   /** Show how far time has come. */
   passed() {
     const { clock, stage } = this;
-    const time = Math.min(clock.time, clock.last);
+    const time = clock.shown;
     const { dt } = stage.scenes[0].recording.header;
     this.scrub.value = String(Math.floor(time));
     const words = `tick ${Math.floor(time)} of ${clock.last}`;

@@ -28,6 +28,10 @@ export class Recording {
     this.header = header;
     this.ticks = header.ticks;
     this.dim = header.dim;
+    /** Seconds from one row of numbers to the next. */
+    this.dt = header.dt;
+    /** How many prey have each fate, where that is told; else it is counted. @type {number[] | null} */
+    this.counts = null;
     this.prey = prey.count;
     this.count = prey.count + predators.count;
     const cells = (this.ticks + 1) * this.count;

@@ -39,10 +39,15 @@ MODULES = (
     "stage",
     "controls",
     "keys",
-    "gallery",
-    "main",
+    "player",
 )
-"""The page's modules, each behind those that it imports from: the order in which they are joined."""
+"""The modules of all pages, each behind those that it imports from: the order in which they are joined."""
+
+REPLAY = (*MODULES, "gallery", "main")
+"""The modules of a page that shows recordings."""
+
+LIVE = (*MODULES, "window", "cloud", "pulse", "desk", "outcomes", "hand", "live")
+"""The modules of a page that shows a simulation which runs."""
 
 MOST = 4
 """Recordings that can be compared side by side."""
@@ -88,26 +93,41 @@ def replay(
 
 def document(parts: Sequence[tuple[dict[str, Any], str]], title: str, gallery: bool) -> str:
     """Write the page around headers and numbers."""
-    script, style = joined(), _read("page.css")
-    settings = {
-        "version": __version__,
-        "title": title,
-        "view": "gallery" if gallery else "player",
-        "themes": {"dark": asdict(DARK), "light": asdict(LIGHT)},
-    }
     told = "\n".join(
         f'<script type="application/json" class="header">{_embedded(header)}</script>\n'
         f'<script type="application/octet-stream" class="numbers">{numbers}</script>'
         for header, numbers in parts
     )
+    return _written(title, "gallery" if gallery else "player", REPLAY, _read("page.css"), told)[1]
+
+
+def live(title: str, host: str) -> tuple[str, str]:
+    """Write the page of a simulation that runs; give its policy and its text. host: name and port that it may talk to."""
+    style = _read("page.css") + _read("live.css")
+    return _written(title, "live", LIVE, style, "", panel=_read("live.html"), connect=f"connect-src ws://{host}; ")
+
+
+def _written(
+    title: str, view: str, modules: Sequence[str], style: str, told: str, panel: str = "", connect: str = ""
+) -> tuple[str, str]:
+    """Give a page's policy and its text."""
+    script = joined(modules)
+    settings = {
+        "version": __version__,
+        "title": title,
+        "view": view,
+        "themes": {"dark": asdict(DARK), "light": asdict(LIGHT)},
+    }
     policy = (
-        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; {connect}"
+        "base-uri 'none'; form-action 'none'"
     )
     body = _read("page.html")
     for key, value in (
         ("POLICY", policy),
         ("TITLE", html.escape(_shortened(title))),
         ("STYLE", style),
+        ("PANEL", panel),
         ("SETTINGS", _embedded(settings)),
         ("RECORDINGS", told),
         ("SCRIPT", script),
@@ -115,13 +135,13 @@ def document(parts: Sequence[tuple[dict[str, Any], str]], title: str, gallery: b
         before, marker, after = body.partition(f"<!--{key}-->")
         assert marker, key
         body = before + value + after
-    return body
+    return policy, body
 
 
-def joined() -> str:
-    """Join the modules to one script: what they import from each other is simply there."""
+def joined(modules: Sequence[str] = REPLAY) -> str:
+    """Join modules to one script: what they import from each other is simply there."""
     texts = []
-    for name in MODULES:
+    for name in modules:
         text = re.sub(r"^import [^;]*;\n", "", _read(f"{name}.js"), flags=re.MULTILINE)
         text = re.sub(r"^ */\*\*(?:[^*]|\*(?!/))*\*/\n", "", text, flags=re.MULTILINE)  # types are for whoever writes modules
         texts.append(re.sub(r"^export ", "", text, flags=re.MULTILINE))

@@ -30,7 +30,7 @@ export class FlatPainter {
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.fillStyle = css(backdrop, 0, 1);
     pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
-    for (const { clip, images, below, ribbons, above } of scenes) {
+    for (const { clip, images, below, ribbons, above, cloud } of scenes) {
       pen.save();
       pen.beginPath();
       pen.rect(clip.x, clip.y, clip.width, clip.height);
@@ -38,6 +38,7 @@ export class FlatPainter {
       for (const [x, y] of images) {
         pen.setTransform(1, 0, 0, 1, x, y);
         this._shapes(below);
+        cloud?.draw(pen);
         this._ribbons(ribbons);
         this._shapes(above);
       }

@@ -1,20 +1,13 @@
 /** Main: read what the page holds, and show it. */
 
 import { Clock } from "./clock.js";
-import { Controls, part } from "./controls.js";
+import { part } from "./controls.js";
 import { decoded } from "./decode.js";
 import { fillGallery } from "./gallery.js";
-import { listenToKeys } from "./keys.js";
-import { Plots } from "./plots.js";
+import { play, preferredTheme, settingsOf } from "./player.js";
 import { Scene } from "./scene.js";
-import { Stage } from "./stage.js";
 
 /** @typedef {import("./decode.js").Recording} Recording */
-
-/**
- * @typedef {{version: string, title: string, view: "player" | "gallery",
- *   themes: Record<string, import("./shapes.js").Palette>}} Settings
- */
 
 /** The recordings that lie in the page, read when they are asked for. */
 class Shelf {
@@ -36,44 +29,6 @@ function wanted() {
   return (/** @type {string} */ name) => (said.has(name) ? Number(said.get(name)) : NaN);
 }
 
-/** Wire a player for some recordings. @param {Recording[]} recordings @param {Settings} settings @param {string} theme */
-function play(recordings, settings, theme) {
-  const clock = new Clock(Math.max(...recordings.map(({ ticks }) => ticks)));
-  const scenes = recordings.map((recording) => new Scene(recording, recordings));
-  const parts = {
-    canvas: part("stage", HTMLCanvasElement),
-    labels: part("labels", HTMLElement),
-    card: part("card", HTMLElement),
-  };
-  const stage = new Stage(parts, scenes, clock, settings.themes);
-  stage.theme = theme;
-  const controls = new Controls(stage, clock);
-  const plots = new Plots(part("plots", HTMLElement), recordings, clock.last, (tick) => clock.seek(tick));
-  listenToKeys(controls);
-  const refit = () => {
-    stage.resize();
-    controls.drawMarks();
-    plots.draw(clock.time, stage.palette);
-  };
-  new ResizeObserver(refit).observe(parts.canvas);
-  clock.watch(() => stage.touched());
-  stage.watchers.push(() => plots.draw(clock.time, stage.palette));
-  refit();
-  let before = performance.now();
-  const tick = (/** @type {number} */ now) => {
-    if (clock.pass(Math.min((now - before) / 1000, 0.25))) {
-      stage.stale = true;
-      controls.passed();
-      plots.draw(clock.time, stage.palette);
-    }
-    before = now;
-    if (stage.stale) stage.draw();
-    requestAnimationFrame(tick);
-  };
-  requestAnimationFrame(tick);
-  return { clock, stage, controls, plots };
-}
-
 /** Begin where the address says, or at the start. @param {ReturnType<typeof play>} player */
 function begin({ clock, stage, controls }) {
   const asked = wanted();
@@ -85,9 +40,8 @@ function begin({ clock, stage, controls }) {
 }
 
 async function main() {
-  const settings = /** @type {Settings} */ (JSON.parse(part("settings", HTMLScriptElement).textContent ?? ""));
-  const theme = matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
-  document.documentElement.dataset.theme = theme;
+  const settings = settingsOf();
+  const theme = preferredTheme();
   const shelf = new Shelf();
   const asked = wanted()("recording");
   part("version", HTMLElement).textContent = `tiswarm ${settings.version}`;
@@ -110,9 +64,12 @@ async function main() {
   document.body.dataset.view = "player";
   part("overview", HTMLElement).hidden = settings.view !== "gallery";
   const chosen = settings.view === "gallery" ? [asked - 1] : shelf.headers.keys();
+  /** @type {Recording[]} */
   const recordings = [];
   for (const n of chosen) recordings.push(await shelf.read(n));
-  const player = play(recordings, settings, theme);
+  const scenes = recordings.map((recording) => new Scene(recording, recordings));
+  const clock = new Clock(Math.max(...recordings.map(({ ticks }) => ticks)));
+  const player = play(scenes, clock, settings, theme);
   begin(player);
   /** For whoever scripts the page: the clock, the stage and its scenes. */
   Object.assign(globalThis, { tiswarm: player });

@@ -13,7 +13,7 @@ import numpy as np
 
 from render.scene.background import Field
 from render.scene.rigs import heights
-from render.source import is_sky, target_of
+from render.source import Live, is_sky, target_of
 from tiswarm.measures import recorded
 from tiswarm.records.recording import FATES, Recording, Swarm
 
@@ -81,7 +81,7 @@ class Sections:
 def packed(recording: Recording, *, exact: bool = False, field: Field | None = None) -> tuple[Header, str]:
     """Give the header and the numbers of a recording. exact: float32 instead of 16 bits. field: arrows of an avoidance."""
     sections = Sections()
-    header = _told(recording)
+    header = told(recording, {"prey": recording.prey.count, "predators": recording.predators.count})
     both = (recording.prey, recording.predators)
     if any((each.alive.any(axis=0) & ~each.alive[0]).any() for each in both):
         raise ValueError("page: somebody comes after the start, which pages cannot show; film the recording instead")
@@ -129,11 +129,11 @@ def _around_zero(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return -most, most
 
 
-def _told(recording: Recording) -> Header:
-    """Give what is known of a recording beside its numbers."""
+def told(recording: Recording | Live, counts: Mapping[str, int]) -> Header:
+    """Give what is known of a recording, or of a simulation, beside its numbers. counts: how many agents of each kind."""
     scenario = recording.scenario
     target, world = target_of(recording), scenario.world
-    told: Header = {
+    header: Header = {
         "format": FORMAT,
         "title": scenario.title,
         "source": scenario.source,
@@ -141,7 +141,7 @@ def _told(recording: Recording) -> Header:
         "seed": recording.seed,
         "trial": recording.trial,
         "ticks": recording.ticks,
-        "dim": recording.dim,
+        "dim": world.dim,
         "dt": world.dt,
         "size": list(world.size),
         "heights": list(heights(recording)),
@@ -156,8 +156,8 @@ def _told(recording: Recording) -> Header:
         "swept": {"cell": scenario.coverage.cell, "tool": scenario.coverage.tool} if scenario.coverage.cell else None,
     }
     for kind, agents in (("prey", scenario.prey), ("predators", scenario.predators)):
-        told[kind] = {
-            "count": getattr(recording, kind).count,
+        header[kind] = {
+            "count": counts[kind],
             "strategy": agents.strategy,
             "avoidance": agents.avoidance,
             "radius": agents.radius,
@@ -169,7 +169,7 @@ def _told(recording: Recording) -> Header:
             "fate": [],
             "end": [],
         }
-    return told
+    return header
 
 
 def _short(value: float) -> float:

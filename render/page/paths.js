@@ -28,7 +28,7 @@ export class Paths {
     const before = Math.max(r.end[agent] - 1, 0);
     for (let axis = 0; axis < r.dim; axis++) {
       const row = (before * r.count + agent) * r.dim + axis;
-      const step = r.velocity[row] * r.header.dt;
+      const step = r.velocity[row] * r.dt;
       this._ahead[agent * r.dim + axis] = r.position[row] + step;
       this._coming[agent * r.dim + axis] = step;
     }
@@ -97,7 +97,7 @@ export class Paths {
     const still = r.ticks === 0 || this._from[agent] === 0;
     for (let axis = 0; axis < dim; axis++) {
       const here = r.position[a + axis];
-      const leaving = r.velocity[a + axis] * r.header.dt;
+      const leaving = r.velocity[a + axis] * r.dt;
       if (still) {
         spot[row * dim + axis] = here;
         if (slope) slope[row * dim + axis] = leaving;
@@ -105,7 +105,7 @@ export class Paths {
       }
       const b = a + count * dim + axis;
       const ahead = last ? this._ahead[agent * dim + axis] : r.position[b];
-      const coming = last ? this._coming[agent * dim + axis] : r.velocity[b] * r.header.dt;
+      const coming = last ? this._coming[agent * dim + axis] : r.velocity[b] * r.dt;
       const chord = r.shortest(ahead - here, axis);
       const bend = 3 * chord - 2 * leaving - coming;
       const twist = leaving + coming - 2 * chord;

@@ -42,6 +42,7 @@ export class Plots {
     this.seek = seek;
     /** @type {Plot[]} */
     this.plots = [];
+    if (!recordings.length) return;
     const fates = recordings.map(counts);
     const hues = ["prey", "arrived", "captured", "crashed"];
     this._plot(

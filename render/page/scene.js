@@ -76,10 +76,15 @@ function wandersOff(r) {
 
 /** A recording with its camera. */
 export class Scene {
-  /** @param {Recording} recording @param {Recording[]} [together] all that are shown side by side, at one scale */
-  constructor(recording, together = [recording]) {
+  /**
+   * @param {Recording} recording @param {Recording[]} [together] all that are shown side by side, at one scale
+   * @param {Paths} [paths]
+   */
+  constructor(recording, together = [recording], paths = new Paths(recording)) {
     this.recording = recording;
-    this.paths = new Paths(recording);
+    this.paths = paths;
+    /** Agents too many to be drawn one by one. @type {import("./cloud.js").Cloud | null} */
+    this.cloud = null;
     /** Whether the camera goes with the prey, until somebody drags it elsewhere. */
     this.roams = wandersOff(recording);
     this.held = false;
@@ -124,6 +129,7 @@ export class Scene {
     this.view = view;
     this._wrap();
     drawGround(view);
+    this.cloud?.load(view);
     if (switches.has("coverage")) this.coverage ??= new Coverage(recording);
     drawOverlays(view, this.coverage);
     drawMarks(view);

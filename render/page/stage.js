@@ -21,7 +21,11 @@ const NEAR = 16,
 /** Room above each of several scenes for its name [CSS px]. */
 const HEAD = 30;
 
-/** @typedef {{scene: number, agent: number}} Looked */
+/**
+ * @typedef {{scene: number, agent: number}} Looked
+ * @typedef {{grasp(event: PointerEvent): boolean, move(event: PointerEvent): void, release(event: PointerEvent): void,
+ *   tap(event: PointerEvent): boolean, busy: boolean}} Hand
+ */
 
 export class Stage {
   /**
@@ -43,6 +47,8 @@ export class Stage {
     /** @type {Looked} */
     this.chosen = { scene: 0, agent: -1 };
     this.following = false;
+    /** What pointers do in a world that runs: each tells whether it was meant. @type {Hand | null} */
+    this.hand = null;
     this.painter = WebGlPainter.on(canvas) ?? new FlatPainter(canvas);
     /** Seconds that the last frames took. @type {number[]} */
     this.took = [];
@@ -179,7 +185,7 @@ export class Stage {
 
   /** Find the agent under a pointer. @param {PointerEvent} event @returns {Looked} */
   _under(event) {
-    const [x, y, scene] = this._spot(event);
+    const [x, y, scene] = this.spot(event);
     const within = (event.pointerType === "touch" ? FINGER : NEAR) * (window.devicePixelRatio || 1);
     return { scene, agent: this.scenes[scene].pick(x, y, within, this.clock.time) };
   }
@@ -188,7 +194,7 @@ export class Stage {
    * Give a pointer's place [canvas px] and the scene under it.
    * @param {MouseEvent} event @returns {[number, number, number]}
    */
-  _spot(event) {
+  spot(event) {
     const [box, ratio] = [this.canvas.getBoundingClientRect(), window.devicePixelRatio || 1];
     const [x, y] = [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
     const over = this.scenes.findIndex(({ rect: r }) => x >= r.x && x < r.x + r.width && y >= r.y && y < r.y + r.height);
@@ -236,7 +242,7 @@ export class Stage {
       "wheel",
       (event) => {
         event.preventDefault();
-        this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...this._spot(event));
+        this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...this.spot(event));
       },
       { passive: false },
     );

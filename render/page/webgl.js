@@ -206,11 +206,12 @@ export class WebGlPainter {
   }
 
   /** @param {import("./scene.js").Scene} scene */
-  _scene({ clip, images, below, ribbons, above }) {
+  _scene({ clip, images, below, ribbons, above, cloud }) {
     const { gl } = this;
     const bottom = Math.round(this.height - clip.y - clip.height);
     gl.scissor(Math.round(clip.x), bottom, Math.max(Math.round(clip.width), 0), Math.max(Math.round(clip.height), 0));
     this._shapes(below, this.shapeRows[0], images);
+    cloud?.paint(gl, this.nothing, this.width, this.height);
     if (ribbons.count) {
       gl.bindVertexArray(this.ribbonRows.array);
       gl.bindBuffer(gl.ARRAY_BUFFER, this.ribbonRows.buffer);

@@ -82,6 +82,14 @@ class Browser:
         self.driver.get(path.as_uri() + where)
         self.until("return document.body.dataset.ready === 'true' || document.body.dataset.view === 'failed'")
 
+    def visit(self, address: str) -> None:
+        """Open the page of a simulation that runs, and wait until it is shown."""
+        self.driver.get("about:blank")
+        self.complaints()
+        self.driver.get(address)
+        self.until("return document.body.dataset.ready === 'true'", seconds=60)
+        self.run("tiswarm.scene = () => tiswarm.stage.scenes[0].recording")
+
     def run(self, script: str, *arguments):
         """Run a script in the page and give what it returns."""
         return self.driver.execute_script(script, *arguments)
@@ -113,6 +121,21 @@ class Browser:
         box = canvas.rect
         across, down = round(x - box["width"] / 2), round(y - box["height"] / 2)
         ActionChains(self.driver, duration=0).move_to_element_with_offset(canvas, across, down).perform()
+
+    def click(self, x: float, y: float) -> None:
+        """Click on a place on the stage."""
+        from selenium.webdriver import ActionChains
+
+        self.point(x, y)
+        ActionChains(self.driver, duration=0).click().perform()
+
+    def drag(self, start: np.ndarray, end: np.ndarray) -> None:
+        """Drag from one place on the stage to another."""
+        from selenium.webdriver import ActionChains
+
+        self.point(*start)
+        dx, dy = (round(each) for each in end - start)
+        ActionChains(self.driver, duration=50).click_and_hold().move_by_offset(dx, dy).release().perform()
 
     def find(self, name: str):
         """Find a part of the page."""

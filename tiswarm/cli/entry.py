@@ -12,6 +12,7 @@ from tiswarm import __version__
 from tiswarm.cli.bench import bench
 from tiswarm.cli.catalogue import presets, show
 from tiswarm.cli.film import demo, film
+from tiswarm.cli.live import live
 from tiswarm.cli.options import out
 from tiswarm.cli.replay import replay
 from tiswarm.cli.run import run, speed
@@ -25,7 +26,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _verb in (presets, show, run, film, replay, demo, bench, tune, speed):
+for _verb in (presets, show, run, film, replay, live, demo, bench, tune, speed):
     app.command()(_verb)
 
 

@@ -77,6 +77,7 @@ def described(kind: Kind) -> dict[str, str]:
     return {name: _first_line(file) for name, file in sorted(_files(kind).items())}
 
 
+@cache
 def _first_line(file: Path | str) -> str:
     if isinstance(file, str):
         return f"(from {file})"
