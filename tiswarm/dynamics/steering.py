@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics import integrator, networks
+from tiswarm.dynamics import integrator, networks, planning
 from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
@@ -40,7 +40,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     remembering = [p for p in strategies if "remember" in p.own]
     starting = [p for p in strategies if "start" in p.own]
     pursuits = layout.parts("predators", "strategy")
-    consults = networks.build(layout, see, senses)
+    consults, goals = networks.build(layout, see, senses), planning.build(layout, types, see)
     led = any(p.part in consults for p in strategies)
     chasing = any(p.part in consults for p in pursuits)
 
@@ -210,7 +210,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
                     consults[p.part](notes[j], here, prey, a, me, numbers, b, flock, aim, dice, orders)
         course = pulled(prey, a, here, "prey", me, numbers, b)
         if ti.static(frame.targeted):
-            way = see.sight(target, me, numbers, b)
+            way = goals.way(here, prey, a, me, target, numbers, b)
             for k in ti.static(range(dim)):
                 course[k] += timed(orders[0] * way[k], numbers, b)
         note(prey, a, "prey", "goal", course)

@@ -43,6 +43,7 @@ def check(scenario: "Scenario") -> None:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size, scenario.world.boundary, ball)
         scenario.network(kind)
     _check_target(scenario)
+    _check_planning(scenario)
     _check_measures(scenario)
 
 
@@ -65,6 +66,26 @@ def _check_target(scenario: "Scenario") -> None:
     if target.present and box.rounded(world.boundary) and not box.inside(np.array(target.position), world.size, world.boundary):
         told = f"{list(target.position)} is outside the disc; move it within, or enlarge world.size"
         raise ScenarioError(f"target.position: {told}")
+
+
+MOST_PLANNED = 100_000
+"""Most cells of a grid on which ways are found: each trial looks at each of them a few times before it starts."""
+
+
+def _check_planning(scenario: "Scenario") -> None:
+    """Refuse planned ways where there is nothing to plan for, or no grid to plan on."""
+    world, mend = scenario.world, "set it to 'line'"
+    if scenario.prey.goal_by == "line":
+        return
+    if not scenario.target.present:
+        raise ScenarioError(f"prey.goal_by: 'path' leads to a target, and there is none; set target.present, or {mend}")
+    if world.dim != 2:
+        raise ScenarioError(f"prey.goal_by: 'path' needs a flat world, world.size has {world.dim} numbers; {mend}")
+    if world.boundary not in ("open", "walls"):
+        raise ScenarioError(f"prey.goal_by: 'path' needs world.boundary 'open' or 'walls', not '{world.boundary}'; {mend}")
+    across, up = scenario.planning.cells(world.size)
+    if across * up > MOST_PLANNED:
+        raise ScenarioError(f"planning.cell: {scenario.planning.cell:g} gives {across * up:,} cells; use a larger one")
 
 
 def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:

@@ -1,8 +1,9 @@
 """Model: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from hashlib import sha256
+from math import ceil
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -183,6 +184,8 @@ class Prey(Agents):
     count: Annotated[int, Field(strict=True, ge=1, le=MOST_AGENTS)] = 6
     strategy: PreyStrategy = "baseline"
     avoidance: Avoidance = "none"
+    # What `goal` weighs: the whole straight way to the target [1/s a tick], or a planned way's direction [m/s a tick].
+    goal_by: Literal["line", "path"] = "line"
     radius: NotNegative = 0.5
     perception: NotNegative = 30.0
     spawn: Spawn = Spawn(region=Box(low=(80.0, 30.0), high=(88.0, 38.0)))
@@ -218,6 +221,19 @@ class Measures(Part):
     path: Positive = 20.0  # m, see `window`
 
 
+class Planning(Part):
+    """Ways to the target around obstacles, where `prey.goal_by` is "path"."""
+
+    # Whether each prey knows the way from wherever it is, or keeps to the list of points that it made at its start.
+    plan: Literal["field", "list"] = "field"
+    cell: Positive = 1.0  # side of a cell of the grid that ways are found on [m]
+    clearance: NotNegative = 1.0  # cells nearer to an obstacle's edge are blocked [m]
+
+    def cells(self, size: Sequence[float]) -> tuple[int, int]:
+        """Count the cells along both sides of a flat world."""
+        return ceil(size[0] / self.cell), ceil(size[1] / self.cell)
+
+
 class Showcase(Part):
     """The trial that `tiswarm demo` films."""
 
@@ -237,6 +253,7 @@ class Scenario(Part):
     obstacles: Obstacles = Obstacles()
     prey: Prey = Prey()
     predators: Predators = Predators()
+    planning: Planning = Planning()
     coverage: Coverage = Coverage()
     measures: Measures = Measures()
 
