@@ -175,8 +175,10 @@ def test_planning_beats_the_straight_line_and_cures_deadlocks_between_obstacles(
     by_line = tiswarm.load("delft/planned-30", {"prey.goal_by": "line", "prey.goal": 0.1})
     measured = {"measures.names": ["trapped"]}
     line, path = (tiswarm.simulate(each.replaced(measured), 100) for each in (by_line, tiswarm.load("delft/planned-30")))
-    assert line.success.mean() < 0.8 < 0.99 < path.success.mean()
-    assert line.measures["trapped"].mean() > 0.05 > 0.005 > path.measures["trapped"].mean()
+    assert line.success.mean() < 0.8
+    assert path.success.mean() > 0.99
+    assert line.measures["trapped"].mean() > 0.05
+    assert path.measures["trapped"].mean() < 0.005
 
 
 def test_an_overlay_shows_the_field_of_ways_or_the_lists(f32):

@@ -33,31 +33,37 @@ class Planning:
     way: Func  # give the way that a prey wants to go
 
 
+@dataclass(frozen=True)
+class _Grid:
+    """Where the cells of a block's grid are."""
+
+    base_of: Func  # give the row of the board that a block's grid begins at
+    cell_of: Func
+    centre_of: Func
+
+
 def build(layout: ParameterTable, types: Types, see: Views) -> Planning:
     """Build `plan` and `way` for a structure; without plans, `way` is the straight line to the target.
 
     here: the senses' namespace, with the board, on whose rows (layout.plan) a block keeps cells, column by column with a rim.
     """
-    lanes, real = types.lanes, types.real
-    at, rows = layout.at, layout.rows
-    width = len(layout.paths)
-    planned = layout.structure.frame.plan
-    agent_rows = layout.agent_rows["prey"]
 
     @ti.func
     def straight(
-        here: ti.template(), prey: ti.template(), a, me: ti.template(), target: ti.template(), numbers: ti.template(), b
+        _here: ti.template(), _prey: ti.template(), _a, me: ti.template(), target: ti.template(), numbers: ti.template(), b
     ):
         """Give the whole way to the target."""
         return see.sight(target, me, numbers, b)
 
-    if not planned:
+    if not layout.structure.frame.plan:
         return Planning(plan=straight, way=straight)
+    grid = _grid(layout)
+    return Planning(plan=_search(layout, types, grid), way=_follow(layout, types, grid))
 
-    grid = layout.plan
-    across, up, tall, cells = grid.across, grid.up, grid.up + 2, grid.cells
-    wall = 2.0 * cells
-    """What a step out of a blocked cell costs: more than any free way, so that those who got in there get out again."""
+
+def _grid(layout: ParameterTable) -> _Grid:
+    at, width = layout.at, len(layout.paths)
+    across, up, tall = layout.plan.across, layout.plan.up, layout.plan.up + 2
 
     @ti.func
     def base_of(b, counts):
@@ -77,15 +83,17 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Planning:
         x = ti.floor((cell + 0.5) / tall)
         return [side * (x - 0.5), side * (cell - tall * x - 0.5)]
 
-    @ti.func
-    def code_at(board: ti.template(), base, cell):
-        return lanes([board[base + grid.next + ti.cast(cell[lane], ti.i32)][lane] for lane in ti.static(range(LANES))])
+    return _Grid(base_of=base_of, cell_of=cell_of, centre_of=centre_of)
 
-    @ti.func
-    def after(cell, code):
-        """Give the cell behind the step of a code."""
-        column = ti.floor((code + 0.5) / 3.0)
-        return cell + (column - 1.0) * tall + code - 3.0 * column - 1.0
+
+def _search(layout: ParameterTable, types: Types, map_of: _Grid) -> Func:
+    """Build `plan`."""
+    lanes, real = types.lanes, types.real
+    at, rows, width, grid = layout.at, layout.rows, len(layout.paths), layout.plan
+    across, up, tall, cells = grid.across, grid.up, grid.up + 2, grid.cells
+    agent_rows = layout.agent_rows["prey"]
+    # What a step out of a blocked cell costs: more than any free way, so that those who got in there get out again.
+    wall = 2.0 * cells
 
     @ti.func
     def block_cells(board: ti.template(), base, obstacles: ti.template(), numbers: ti.template(), b, count, fresh):
@@ -152,14 +160,14 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Planning:
     def plan(here: ti.template(), fresh):
         """Find the next cell of every cell, and the cell that each prey starts in, in lanes that are fresh (a mask).
 
-        Lengths are the only ones with length(c) = least of a step and a neighbour's length, which no order of sums changes: what
-        else is in the block, and so how often is swept, changes no bit.
+        Only one set of lengths has length(c) = the least of a step and a neighbour's length, in whatever order they are found:
+        what else is in the block, and so how often is swept, changes no bit.
         """
         b, counts = here.b, here.counts
         prey, obstacles, numbers, board = ti.static(here.prey, here.obstacles, here.numbers, here.board)
-        base = base_of(b, counts)
+        base = map_of.base_of(b, counts)
         block_cells(board, base, obstacles, numbers, b, counts[2], fresh)
-        goal = cell_of([numbers[b * width + at.target.place[0]], numbers[b * width + at.target.place[1]]], numbers, b)
+        goal = map_of.cell_of([numbers[b * width + at.target.place[0]], numbers[b * width + at.target.place[1]]], numbers, b)
         for lane in range(LANES):
             board[base + grid.length + ti.cast(goal[lane], ti.i32)][lane] = ti.cast(0.0, real)
         searching = 1
@@ -167,22 +175,41 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Planning:
             sweep(board, base, 1, 1)
             sweep(board, base, across, -1)
             searching = ti.select(anywhere(point(board, base, fresh) > 0.5), 1, 0)
-        if ti.static(planned == "list"):
+        if ti.static(layout.structure.frame.plan == "list"):
             for i in range(counts[0]):
                 a = (b * counts[0] + i) * agent_rows
-                start = cell_of([prey[a + rows.place[0]], prey[a + rows.place[1]]], numbers, b)
+                start = map_of.cell_of([prey[a + rows.place[0]], prey[a + rows.place[1]]], numbers, b)
                 prey[a + rows.plan] = ti.select(fresh, start, prey[a + rows.plan])
+
+    return plan
+
+
+def _follow(layout: ParameterTable, types: Types, map_of: _Grid) -> Func:
+    """Build `way` for prey that plan."""
+    lanes = types.lanes
+    rows, grid, tall = layout.rows, layout.plan, layout.plan.up + 2
+    listed = layout.structure.frame.plan == "list"
+
+    @ti.func
+    def code_at(board: ti.template(), base, cell):
+        return lanes([board[base + grid.next + ti.cast(cell[lane], ti.i32)][lane] for lane in ti.static(range(LANES))])
+
+    @ti.func
+    def after(cell, code):
+        """Give the cell behind the step of a code."""
+        column = ti.floor((code + 0.5) / 3.0)
+        return cell + (column - 1.0) * tall + code - 3.0 * column - 1.0
 
     @ti.func
     def along_list(board: ti.template(), base, start, me: ti.template(), numbers: ti.template(), b):
         """Give the point behind the nearest one of the plan, the last excluded, that leads from a cell to the target."""
         cell = start + 0.0
-        aim = centre_of(cell, numbers, b)
+        aim = map_of.centre_of(cell, numbers, b)
         nearest = lanes(NEVER)
         code = code_at(board, base, cell)
         while anywhere(code != float(STAY)):
-            here, cell = centre_of(cell, numbers, b), after(cell, code)
-            there = centre_of(cell, numbers, b)
+            here, cell = map_of.centre_of(cell, numbers, b), after(cell, code)
+            there = map_of.centre_of(cell, numbers, b)
             off = [here[k] - place(me)[k] for k in ti.static(range(2))]
             distance2 = dot(off, off)
             nearer = (code != float(STAY)) & (distance2 < nearest)
@@ -197,18 +224,18 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Planning:
         here: ti.template(), prey: ti.template(), a, me: ti.template(), target: ti.template(), numbers: ti.template(), b
     ):
         """Give the direction to the next point of the plan, one long; straight to the target where there is none."""
-        base = base_of(b, here.counts)
+        base = map_of.base_of(b, here.counts)
         aim = [1.0 * each for each in ti.static(place(target))]
-        if ti.static(planned == "list"):
+        if ti.static(listed):
             found = along_list(here.board, base, prey[a + rows.plan], me, numbers, b)
             for k in ti.static(range(2)):
                 aim[k] = ti.select(found[2] < NEVER, found[k], aim[k])
         else:
-            cell = cell_of(place(me), numbers, b)
+            cell = map_of.cell_of(place(me), numbers, b)
             code = code_at(here.board, base, cell)
-            spot = centre_of(after(cell, code), numbers, b)
+            spot = map_of.centre_of(after(cell, code), numbers, b)
             for k in ti.static(range(2)):
                 aim[k] = ti.select(code != float(STAY), spot[k], aim[k])
         return unit([aim[k] - place(me)[k] for k in ti.static(range(2))])
 
-    return Planning(plan=plan, way=planned_way)
+    return planned_way

@@ -22,9 +22,9 @@ class ParameterTable:
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
     have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; plan: rows of the board on
-    which ways are found; board: rows of that and of what predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
-    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
-    its own (own), and its structs.
+    which ways are found; board: rows of that and of what predators' surveys write, fixed ones and for each prey; courses: kind
+    -> term -> rows of the velocity behind it, in a move's order, where terms are noted; parts(kind, role): what kernels loop
+    over, each with its class (strategy), the hooks it has of its own (own), and its structs.
     """
 
     def __init__(self, structure: Specialisation, lanes: Any) -> None:
