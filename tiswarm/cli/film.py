@@ -29,6 +29,9 @@ from tiswarm.cli.options import (
 from tiswarm.system.files import check_writable
 from tiswarm.system.progress import begin_work, reporting
 
+FIELDS = ("field", "plan")
+"""Overlays that are sampled before a film begins."""
+
 
 def film(
     source: Annotated[
@@ -71,7 +74,8 @@ def film(
         str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
     ] = "fit",
     overlay: Annotated[
-        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field.")
+        str,
+        typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field, plan."),
     ] = "",
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
     sets: Sets = None,
@@ -85,7 +89,7 @@ def film(
     # Long by its options, of which it has many: a verb's signature is its help.
     import render
 
-    overlays = tuple(name for name in _names(overlay) if name != "field")
+    overlays = tuple(name for name in _names(overlay) if name not in FIELDS)
     look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": overlays, "slow": slow}
     render.Look(**look)  # wrong choices are told before anything runs
     pixels = pair(size, "--size", "1280x720")
@@ -112,8 +116,9 @@ def film(
     else:
         start(seed, threads, precision, strategy_path)
         subject, name = _subject(source, sets, trial, seed, grid, versus)
-    if "field" in _names(overlay):
-        look["field"] = _field(subject)
+    for name in FIELDS:
+        if name in _names(overlay):
+            look["field"] = _field(subject, name)
     _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(_again(subject), poster, size=pixels, time=_middle(subject), **look)
@@ -150,14 +155,15 @@ def _middle(subject: Any) -> float | None:
     return max(each.ticks for each in subjects) / 2 if any(_is_live(each) for each in subjects) else None
 
 
-def _field(subject: Any) -> Any:
-    """Sample the field of the obstacles of one recording, to be drawn as arrows."""
+def _field(subject: Any, name: str) -> Any:
+    """Sample the field of the obstacles of one recording, or its planned ways, to be drawn as arrows."""
     import render
     from tiswarm.engine.trials.trial import field
+    from tiswarm.engine.trials.ways import planned
 
     if isinstance(subject, list) or _is_live(subject):
-        raise WrongInput("--overlay field: needs one recorded trial; film one, of few agents")
-    return render.Field(*field(subject))
+        raise WrongInput(f"--overlay {name}: needs one recorded trial; film one, of few agents")
+    return render.Field(*(field if name == "field" else planned)(subject))
 
 
 def _counted(study: Any, cell: int | None, trial: int, picks: list[str], quiet: bool) -> tuple[Any, str]:

@@ -14,7 +14,7 @@ STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
 TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
 
 
-def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool) -> SimpleNamespace:
+def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool, listed: bool = False) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
@@ -41,5 +41,6 @@ def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool
         heading=[next(row), next(row)] if unicycles else [],  # cosine and sine
         label=next(row) if "groups" in measures else -1,
         trap=trap() if set(TRAPS) & set(measures) else None,
+        plan=next(row) if listed else -1,  # the cell in which a prey's plan begins
         count=next(row),
     )

@@ -39,8 +39,8 @@ class WorldKind:
     """What all scenarios of one batch must have in common: the kind of world, and what is measured in it.
 
     unicycles, slow: which kinds of agents are driven so, and which have a least speed; narrow, choosy: which do not see behind
-    them, and which heed the nearest mates alone; cells: of the coverage grid, (0, 0)
-    without one.
+    them, and which heed the nearest mates alone; cells: of the coverage grid, (0, 0) without one. plan: how prey use planned
+    ways, nothing where they go straight; plan_cells: of the ways' grid.
     """
 
     dim: int
@@ -61,12 +61,15 @@ class WorldKind:
     choosy: tuple[str, ...]
     measures: tuple[str, ...]
     cells: tuple[int, int]
+    plan: str
+    plan_cells: tuple[int, int]
 
     @classmethod
     def of(cls, scenario: Scenario) -> "WorldKind":
         """Find the frame of a scenario."""
         world, agents = scenario.world, {"prey": scenario.prey, "predators": scenario.predators}
-        cell = scenario.coverage.cell
+        cell, planning = scenario.coverage.cell, scenario.planning
+        planned = scenario.prey.goal_by == "path"
         return cls(
             dim=world.dim,
             boundary=world.boundary,
@@ -86,6 +89,8 @@ class WorldKind:
             choosy=tuple(kind for kind, each in agents.items() if each.nearest != "all"),
             measures=scenario.measures.names,
             cells=(int(np.ceil(world.size[0] / cell)), int(np.ceil(world.size[1] / cell))) if cell else (0, 0),
+            plan=planning.plan if planned else "",
+            plan_cells=planning.cells(world.size) if planned else (0, 0),
         )
 
 

@@ -21,10 +21,10 @@ class ParameterTable:
     """Where each number of a batch lies in its table, by structure.
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
-    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; board: rows of what
-    predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
-    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
-    its own (own), and its structs.
+    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; plan: rows of the board on
+    which ways are found; board: rows of that and of what predators' surveys write, fixed ones and for each prey; courses: kind
+    -> term -> rows of the velocity behind it, in a move's order, where terms are noted; parts(kind, role): what kernels loop
+    over, each with its class (strategy), the hooks it has of its own (own), and its structs.
     """
 
     def __init__(self, structure: Specialisation, lanes: Any) -> None:
@@ -32,7 +32,7 @@ class ParameterTable:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept)
+        self.rows = agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept, frame.plan == "list")
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),
@@ -65,7 +65,8 @@ class ParameterTable:
             self.at.trap = SimpleNamespace(**{name: self._column(f"measures.{name}") for name in ("window", "within", "path")})
         self._parts: list[SimpleNamespace] = []
         self.agent_rows = {"prey": self.rows.count, "predators": self.rows.count}
-        self.board = SimpleNamespace(fixed=0, each=0)
+        self.plan = self._plan(*frame.plan_cells)
+        self.board = SimpleNamespace(fixed=3 * self.plan.cells, each=0)
         for part in structure.parts:
             self._add(part, lanes)
         self.courses: dict[str, dict[str, list[int]]] = {kind: {} for kind in self.agent_rows}
@@ -85,6 +86,14 @@ class ParameterTable:
 
     def _box(self, path: str) -> SimpleNamespace:
         return SimpleNamespace(low=self._vector(f"{path}.0"), high=self._vector(f"{path}.1"))
+
+    def _plan(self, across: int, up: int) -> SimpleNamespace:
+        """Lay out the grid of planned ways, with a rim of one cell: next one, length of the way from there, wall."""
+        if not across:
+            return SimpleNamespace(cells=0)
+        self.at.planning = SimpleNamespace(**{name: self._column(f"planning.{name}") for name in ("cell", "clearance")})
+        cells = (across + 2) * (up + 2)
+        return SimpleNamespace(across=across, up=up, cells=cells, next=0, length=cells, wall=2 * cells)
 
     def _add(self, part: Part, lanes: Any) -> None:
         strategy = part.strategy

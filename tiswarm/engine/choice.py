@@ -90,6 +90,7 @@ def _refused(scenario: Scenario) -> str:
     hunters = registry.parts("predators", predators.strategy) if predators.count else ()
     refused = {
         "world.contact": world.contact == "bounce",
+        "prey.goal_by": prey.goal_by == "path",
         "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
         "prey.strategy": any(registry.load("prey", name).networked for name in registry.parts("prey", prey.strategy)),
         "predators.strategy": any(registry.load("predators", name).networked for name in hunters)

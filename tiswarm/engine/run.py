@@ -13,6 +13,7 @@ from tiswarm.engine.swarms.simulation import Alone
 from tiswarm.engine.trials import batch
 from tiswarm.engine.trials.batch import Finished, Progress
 from tiswarm.engine.trials.trial import Single
+from tiswarm.engine.trials.ways import notes
 from tiswarm.records.labels import grouped, named
 from tiswarm.records.recording import Recording
 from tiswarm.records.recording import Swarm as Moment
@@ -223,7 +224,8 @@ class Simulation:
             paths = [path for path in known if path == key or path.startswith(f"{key}.")]
             if not paths or not settled.issuperset(paths):
                 raise ScenarioError(f"set: {key} is no number that may change between ticks; begin a new Simulation with it")
-            if key.startswith("obstacles.") or key.endswith((".count", ".spawn")) or ".spawn." in key:
+            planned = scenario.prey.goal_by == "path" and key.startswith(("target.", "planning."))
+            if planned or key.startswith("obstacles.") or key.endswith((".count", ".spawn")) or ".spawn." in key:
                 raise ScenarioError(f"set: {key} acts at the start only; begin a new Simulation with it")
         self._own.renumber(scenario)
 
@@ -247,7 +249,8 @@ class Simulation:
             replace(path := Moment.of(own), terms=differences(path.velocity, kept))
             for own, kept in zip(zip(*moments, strict=True), courses, strict=True)
         )
-        return Recording(self.scenario, self.seed, self.trial, prey, predators, *self.obstacles)
+        told = notes(self._own) if isinstance(self._own, Single) else ()
+        return Recording(self.scenario, self.seed, self.trial, prey, predators, *self.obstacles, told)
 
 
 def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None, *, terms: bool = False) -> Recording:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-MOST_SCENARIO = 1 << 20  # characters
+MOST_SCENARIO = MOST_NOTES = 1 << 20  # characters
 MOST_ITEM = 4 * 64  # bytes of one number or of one name
 FARTHEST = 1e15
 """How far away anybody can get [m]: the fastest in the longest trial are nearer by orders of magnitude."""
@@ -70,7 +70,7 @@ class Swarm:
 class Recording:
     """One trial's path, with the scenario it ran.
 
-    obstacle_position: [obstacle, dim], m; obstacle_radius: [obstacle], m.
+    obstacle_position: [obstacle, dim], m; obstacle_radius: [obstacle], m. notes: lines on what went otherwise than was asked.
     """
 
     scenario: Scenario
@@ -80,6 +80,7 @@ class Recording:
     predators: Swarm
     obstacle_position: np.ndarray
     obstacle_radius: np.ndarray
+    notes: tuple[str, ...] = ()
 
     @property
     def ticks(self) -> int:
@@ -113,6 +114,8 @@ class Recording:
             swarm = getattr(self, kind)
             arrays |= {f"{kind}_{name}": getattr(swarm, name) for name in _ARRAYS}
             arrays |= {f"{kind}_term_{name}": values for name, values in swarm.terms.items()}
+        if self.notes:
+            arrays["notes"] = np.array("\n".join(self.notes))
         with replacing(Path(path)) as part, part.open("wb") as file:
             np.savez_compressed(file, allow_pickle=False, **arrays)
         return Path(path)
@@ -130,7 +133,8 @@ class Recording:
                 scenario = Scenario.from_json(stored.text("scenario", MOST_SCENARIO))
                 numbers = (stored.number("seed"), stored.number("trial"))
                 obstacles = (stored.read("obstacle_position"), stored.read("obstacle_radius"))
-                recording = cls(scenario, *numbers, prey, predators, *obstacles)
+                notes = tuple(stored.text("notes", MOST_NOTES).split("\n")) if "notes" in stored.headers else ()
+                recording = cls(scenario, *numbers, prey, predators, *obstacles, notes)
             recording.check()
         except (ValueError, RecursionError) as error:
             reason = " ".join(str(error).split())

@@ -31,6 +31,7 @@ def check(scenario: "Scenario") -> None:
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
         _check_needed(kind, agents)
+        _check_most(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
@@ -43,6 +44,7 @@ def check(scenario: "Scenario") -> None:
             _inside(f"{kind}.spawn.region", agents.spawn.region, scenario.world.size, scenario.world.boundary, ball)
         scenario.network(kind)
     _check_target(scenario)
+    _check_planning(scenario)
     _check_measures(scenario)
 
 
@@ -65,6 +67,26 @@ def _check_target(scenario: "Scenario") -> None:
     if target.present and box.rounded(world.boundary) and not box.inside(np.array(target.position), world.size, world.boundary):
         told = f"{list(target.position)} is outside the disc; move it within, or enlarge world.size"
         raise ScenarioError(f"target.position: {told}")
+
+
+MOST_PLANNED = 100_000
+"""Most cells of a grid on which ways are found: each trial looks at each of them a few times before it starts."""
+
+
+def _check_planning(scenario: "Scenario") -> None:
+    """Refuse planned ways where there is nothing to plan for, or no grid to plan on."""
+    world, mend = scenario.world, "set it to 'line'"
+    if scenario.prey.goal_by == "line":
+        return
+    if not scenario.target.present:
+        raise ScenarioError(f"prey.goal_by: 'path' leads to a target, and there is none; set target.present, or {mend}")
+    if world.dim != 2:
+        raise ScenarioError(f"prey.goal_by: 'path' needs a flat world, world.size has {world.dim} numbers; {mend}")
+    if world.boundary not in ("open", "walls"):
+        raise ScenarioError(f"prey.goal_by: 'path' needs world.boundary 'open' or 'walls', not '{world.boundary}'; {mend}")
+    across, up = scenario.planning.cells(world.size)
+    if across * up > MOST_PLANNED:
+        raise ScenarioError(f"planning.cell: {scenario.planning.cell:g} gives {across * up:,} cells; use a larger one")
 
 
 def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:
@@ -113,6 +135,14 @@ def _check_needed(kind: registry.Kind, agents: "Agents") -> None:
             if agents.weights[key] and agents.weights[other] != word:
                 told = f"needs {kind}.weights.{other} = '{word}', not '{agents.weights[other]}'; set it, or {key} to 0"
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _check_most(kind: registry.Kind, agents: "Agents") -> None:
+    """Refuse more agents than a strategy works for."""
+    for part in registry.parts(kind, agents.strategy):
+        most = getattr(registry.load(kind, part), "most", 0)
+        if most and agents.count > most:
+            raise ScenarioError(f"{kind}.count: '{part}' works for {most} agents at most; lower it, or use another strategy")
 
 
 def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:

@@ -29,6 +29,7 @@ from tiswarm.scenario.parts import (
     plain,
 )
 from tiswarm.scenario.picture import card_of
+from tiswarm.scenario.planning import Planning
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
@@ -183,6 +184,8 @@ class Prey(Agents):
     count: Annotated[int, Field(strict=True, ge=1, le=MOST_AGENTS)] = 6
     strategy: PreyStrategy = "baseline"
     avoidance: Avoidance = "none"
+    # What `goal` weighs: the whole straight way to the target [1/s a tick], or a planned way's direction [m/s a tick].
+    goal_by: Literal["line", "path"] = "line"
     radius: NotNegative = 0.5
     perception: NotNegative = 30.0
     spawn: Spawn = Spawn(region=Box(low=(80.0, 30.0), high=(88.0, 38.0)))
@@ -237,6 +240,7 @@ class Scenario(Part):
     obstacles: Obstacles = Obstacles()
     prey: Prey = Prey()
     predators: Predators = Predators()
+    planning: Planning = Planning()
     coverage: Coverage = Coverage()
     measures: Measures = Measures()
 

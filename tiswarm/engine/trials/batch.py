@@ -240,7 +240,7 @@ def differing(scenario: Scenario) -> set[str]:
     """List the numbers that may differ from trial to trial: what a kernel reads from its table, the structure kept."""
     own = ParameterTable(Specialisation.of([scenario], 1), runtime.types().lanes).paths
     weights = {path for path in scenario.numbers() if ".weights." in path}
-    return (set(own) | weights) - {"coverage.cell", *_live_paths(scenario)}
+    return (set(own) | weights) - {"coverage.cell", "planning.cell", *_live_paths(scenario)}
 
 
 def other_end(path: str) -> str | None:

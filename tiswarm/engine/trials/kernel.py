@@ -40,6 +40,9 @@ OUTCOMES = {
 }
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
+PATIENCE = 6
+"""So many lanes are free before trials with planned ways begin: to plan for all of them takes as long as for one."""
+
 
 def kernel(structure: Specialisation) -> tuple[Any, ParameterTable, tuple[int, int]]:
     """Give the kernel for a structure, built once per runtime, its layout, and how many rows of sums and ground a block has."""
@@ -55,6 +58,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
     measures = running.build(layout, types, see)
     columns = len(layout.paths)
     outcomes = list(OUTCOMES.values())
+    patience = PATIENCE if structure.frame.plan else 1
     state = layout.rows.place + layout.rows.motion
     flat = types.lane_array(1)
     integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
@@ -73,6 +77,11 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         return told
 
     @ti.func
+    def idle_of(clock: ti.template(), b):
+        """Count the lanes whose trials are over."""
+        return ti.select((clock[b, ON] < 0.5) | (clock[b, DONE] > 0.5), 1, 0).sum()
+
+    @ti.func
     def refill(block: ti.template(), work: ti.template()):
         """Write down trials that have ended, and put the queue's next ones into their lanes.
 
@@ -84,6 +93,9 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         if ti.static(structure.hunted):
             strange += strangeness(block.predators, b, counts[1], layout.agent_rows["predators"])
         finite = ti.select(strange == 0.0, 1, 0)
+        takes = 1
+        if ti.static(patience > 1):
+            takes = ti.select(idle_of(clock, b) >= patience, 1, 0)
         for lane in range(LANES):
             if clock[b, DONE][lane] > 0.5:
                 job = ti.cast(integer[b, JOB][lane], ti.i32)
@@ -97,7 +109,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
                     work.measured[job, k] = block.sums[s][lane] / block.sums[s + 1][lane]
                 clock[b, ON][lane] = 0.0
                 clock[b, DONE][lane] = 0.0
-            if clock[b, ON][lane] < 0.5:
+            if takes == 1 and clock[b, ON][lane] < 0.5:
                 job = ti.atomic_add(work.queue[0], 1)
                 if job < work.queue[1]:
                     for column in range(columns):
@@ -116,6 +128,8 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         clock = ti.static(block.clock)
         ended = clock[b, DONE].max() > 0.5
         waiting = clock[b, ON].min() < 0.5 and work.queue[0] < work.queue[1]
+        if ti.static(patience > 1):
+            waiting = waiting and idle_of(clock, b) >= patience
         if ended or waiting:
             refill(block, work)
             fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
@@ -159,7 +173,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         sums: flat,  # [block * row], see running.py
         ground: flat,  # [block * cell]
         measured: ti.types.ndarray(dtype=types.real, ndim=2),  # [job, measure]
-        board: flat,  # [block * row], what predators' surveys write
+        board: flat,  # [block * row], planned ways, and what predators' surveys write
         met: flat,  # [block * agent * row], see mates.py
         prey_count: ti.i32,
         predator_count: ti.i32,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import taichi as ti
 
-from tiswarm.dynamics import perception, steering
+from tiswarm.dynamics import perception, planning, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
@@ -35,6 +35,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     }
     senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)
+    plan = planning.build(layout, types, see).plan
     steps = driven.steps
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
@@ -44,7 +45,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     def looker(block: ti.template(), i):
         return Bundle(
             prey=block.prey, predators=block.predators, obstacles=block.obstacles, numbers=block.numbers, met=block.met,
-            b=block.b, counts=block.counts, i=i,
+            board=block.board, b=block.b, counts=block.counts, i=i,
         )  # fmt: skip
 
     @ti.func
@@ -78,6 +79,9 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
         """Move all prey (steering.py)."""
         b, counts = block.b, block.counts
         prey, numbers, clock = ti.static(block.prey, block.numbers, block.clock)
+        if ti.static(frame.plan != ""):  # noqa: SIM102 - one branch at compile time, one at run time
+            if anywhere(clock[b, AGE] < 0.5):
+                plan(block, clock[b, AGE] < 0.5)
         if ti.static(driven.starts or "prey" in frame.unicycles):
             fresh = clock[b, AGE] < 0.5
             if anywhere(fresh):

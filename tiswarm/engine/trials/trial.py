@@ -19,7 +19,10 @@ class Single:
     """A trial that pauses after every tick."""
 
     def __init__(self, scenario: Scenario, seed: int, trial: int, start: Start | None = None, *, terms: bool = False) -> None:
-        """Draw the start from seed and trial number, or take an explicit one. terms: for `courses`."""
+        """Draw the start from seed and trial number, or take an explicit one. terms: for `courses`.
+
+        start: where the prey were then, [agent, dim], m.
+        """
         trial, seed = index(trial), index(seed)
         if not 0 <= trial < 1 << 31:
             raise ValueError(f"trial: {trial} is not possible; use 0 to {(1 << 31) - 1}")
@@ -40,6 +43,7 @@ class Single:
             self._obstacles()[:] = np.vstack([start.obstacle_position.T, start.obstacle_radius])
             self.place("prey", start.prey_position, start.prey_velocity)
             self.place("predators", start.predator_position, start.predator_velocity)
+        self.start = self.position("prey")
 
     def _advance(self, moves: int) -> None:
         self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
@@ -119,6 +123,12 @@ class Single:
             if found is not None:
                 return np.asarray(found)
         return None
+
+    def plan(self) -> np.ndarray:
+        """Give the code of the step out of each cell (planning.py), once the first move has planned: [column, row]."""
+        grid = self._blocks.layout.plan
+        codes = self._blocks.board[grid.next : grid.next + grid.cells, 0].reshape(grid.across + 2, grid.up + 2)
+        return codes[1:-1, 1:-1].astype(int)
 
     @property
     def ended(self) -> bool:
