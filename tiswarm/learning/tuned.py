@@ -45,7 +45,8 @@ class Check:
 class Generation:
     """One generation: its candidates in the unit cube, [candidate, range], their scores, [candidate], and the middle, [range].
 
-    check: where the middle was looked at; seconds: how long it took, with its check.
+    met: trials that each candidate met, [candidate]; check: where the middle was looked at; seconds: how long it took, with its
+    check.
     """
 
     number: int
@@ -54,6 +55,7 @@ class Generation:
     arm: Arm
     units: np.ndarray
     scores: np.ndarray
+    met: np.ndarray
     centre: np.ndarray
     check: Check | None
     seconds: float
