@@ -49,6 +49,7 @@ def test_halving_spends_the_budget_on_more_generations(scenario, f32):
     assert len(tuned.history) == 24
     for made in tuned.history:
         assert sorted(made.met.tolist()) == [5] * 4 + [10] * 2 + [20] * 2
+        assert made.best == made.scores[made.met == 20].max()
     assert sum(made.met.sum() for made in tuned.history) == SMALL["budget"]
 
 

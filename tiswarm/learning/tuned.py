@@ -60,6 +60,11 @@ class Generation:
     check: Check | None
     seconds: float
 
+    @property
+    def best(self) -> float:
+        """Give the best score of those that met all trials."""
+        return float(self.scores[self.met == self.met.max()].max())
+
 
 @dataclass(frozen=True)
 class Validation:
@@ -145,7 +150,7 @@ class Tuned:
                 gain = made.check.gain
                 check = tuple(map(repr, (made.check.score, gain.mean, gain.low, gain.high)))  # type: ignore[assignment]
             middle = dict(zip((each.path for each in made.arm.ranges), made.arm.values(made.centre[None])[0], strict=False))
-            best, mean = (repr(float(each)) for each in (made.scores.max(), made.scores.mean()))
+            best, mean = (repr(each) for each in (made.best, float(made.scores.mean())))
             writer.writerow(
                 (
                     made.number,

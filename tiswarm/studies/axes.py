@@ -16,6 +16,9 @@ Whole = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 Combine = Literal["grid", "zip", "latin"]
 
+NAME = "name"
+"""A key that no scenario has: what tables call the stop of an axis whose values are too many to read."""
+
 DIGITS = 6
 """Significant digits of drawn values, so that a table's columns state exactly what was run."""
 
@@ -24,7 +27,7 @@ class Axis(Part):
     """One key and the values it takes, or several keys that change together; `base` is a key, too.
 
     For several keys each value is a list, one for each of them; it may end early, and the keys behind are then left alone (a
-    strategy's own weight where another strategy is chosen).
+    strategy's own weight where another strategy is chosen). One of the keys may be `name`, what tables call the stop.
 
     Either `values`, or a range `low` to `high`: of `steps` even steps, both ends included, or drawn from by a Latin hypercube.
     """
@@ -51,6 +54,9 @@ class Axis(Part):
                 raise ValueError(
                     f"with {len(self.keys)} keys each value is a list of 1 to {len(self.keys)}, unlike {wrong[0]!r}"
                 )
+            names = [str(stop.get(NAME)) for stop in map(self._point, self.values)] if NAME in self.keys else []
+            if len(set(names)) < len(names):
+                raise ValueError("give each stop of an axis a name of its own")
         elif self.low is None or self.high is None or self.low > self.high:
             raise ValueError("an axis needs values = [...], or low and high with low <= high")
         elif self.scale == "log" and self.low <= 0:
@@ -63,6 +69,11 @@ class Axis(Part):
     def keys(self) -> tuple[str, ...]:
         """List the keys, one or several."""
         return (self.key,) if isinstance(self.key, str) else self.key
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """List the keys that tables show: the name alone where there is one."""
+        return (NAME,) if NAME in self.keys else self.keys
 
     def stops(self) -> list[dict[str, Any]]:
         """List what the axis sets, stop by stop. Errors: ScenarioError for a range without steps, or too many whole ones."""
