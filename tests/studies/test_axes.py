@@ -31,7 +31,8 @@ def test_a_name_stands_for_what_an_axis_sets_in_rows_and_on_the_terminal(tmp_pat
     text = (
         'title = "t"\nbase = "delft/pronav-10"\ntrials = 2\n[[axes]]\nkey = ["name", "prey.strategy", "prey.weights.evade"]\n'
     )
-    text += 'values = [["by hand", "evasive"], ["found", "evasive", 0.004]]\n[[axes]]\nkey = "base"\n'
+    text += 'values = [["by hand", "evasive"], { name = "found", "prey.strategy" = "evasive", "prey.weights.evade" = 0.004 }]\n'
+    text += '[[axes]]\nkey = "base"\n'
     text += 'values = ["delft/pronav-10", "delft/centre-10"]\n'
     (tmp_path / "t.toml").write_text(text)
     study = load_study(str(tmp_path / "t.toml"))

@@ -3,7 +3,7 @@
 import itertools
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -27,7 +27,8 @@ class Axis(Part):
     """One key and the values it takes, or several keys that change together; `base` is a key, too.
 
     For several keys each value is a list, one for each of them; it may end early, and the keys behind are then left alone (a
-    strategy's own weight where another strategy is chosen). One of the keys may be `name`, what tables call the stop.
+    strategy's own weight where another strategy is chosen). Or it is a table, key = value, of some of them. One of the keys may
+    be `name`, what tables call the stop.
 
     Either `values`, or a range `low` to `high`: of `steps` even steps, both ends included, or drawn from by a Latin hypercube.
     """
@@ -49,10 +50,11 @@ class Axis(Part):
                 raise ValueError("an axis has values, or low and high; drop one of them")
             if not self.values:
                 raise ValueError("values must not be empty")
-            wrong = [value for value in self.values if len(self.keys) > 1 and not _at_most(value, len(self.keys))]
+            wrong = [value for value in self.values if len(self.keys) > 1 and not _fits(value, self.keys)]
             if wrong:
+                count = len(self.keys)
                 raise ValueError(
-                    f"with {len(self.keys)} keys each value is a list of 1 to {len(self.keys)}, unlike {wrong[0]!r}"
+                    f"with {count} keys each value is a list of 1 to {count}, or a table of them, unlike {wrong[0]!r}"
                 )
             names = [str(stop.get(NAME)) for stop in map(self._point, self.values)] if NAME in self.keys else []
             if len(set(names)) < len(names):
@@ -98,6 +100,8 @@ class Axis(Part):
         return round(value) if self.whole else float(f"{value:.{DIGITS}g}")
 
     def _point(self, value: Any) -> dict[str, Any]:
+        if len(self.keys) > 1 and isinstance(value, Mapping):
+            return {key: value[key] for key in self.keys if key in value}
         return dict(zip(self.keys, value if len(self.keys) > 1 else (value,), strict=False))
 
     def drawn(self, share: float) -> dict[str, Any]:
@@ -105,8 +109,10 @@ class Axis(Part):
         return self._point(self.at(share))
 
 
-def _at_most(value: Any, count: int) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, str) and 1 <= len(value) <= count
+def _fits(value: Any, keys: Sequence[str]) -> bool:
+    if isinstance(value, Mapping):
+        return bool(value) and set(value) <= set(keys)
+    return isinstance(value, Sequence) and not isinstance(value, str) and 1 <= len(value) <= len(keys)
 
 
 def points(axes: Sequence[Axis], combine: Combine, samples: int | None) -> list[dict[str, Any]]:
