@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.learning.arms_race import Race, rules_of
+from tiswarm.learning.arms_race import Race
+from tiswarm.learning.race_rules import rules_of
 from tiswarm.studies import zero_sum
 
 RULES = """
@@ -83,6 +84,54 @@ def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, tmp_path, f32)
         Race(rules, cut, seed=3).run()
 
 
+LED = """[predators.network]
+begin = { "predators.strategy" = "neural", "predators.weights.network" = "networks/thesis-gains.npz" }
+budget = 2560
+candidates = 8
+search_trials = 20
+"""
+
+
+@pytest.fixture
+def led(tmp_path):
+    """Rules by which predators find no better numbers, so that a network is trained."""
+    text = RULES.replace('"predators.goal" = 0.001', '"predators.goal" = 0.1').replace(
+        '[0.0001, 1.0, "log"]', "[0.0001, 0.0002]"
+    )
+    (tmp_path / "led.toml").write_text(text + LED)
+    return rules_of(str(tmp_path / "led.toml"))
+
+
+def test_where_numbers_gain_nothing_a_network_is_trained(led, tmp_path, f32):
+    rounds = Race(led, tmp_path / "whole").run()
+    numbers, network = (each for each in rounds[0].answers if each.side == "predators")
+    assert not numbers.accepted
+    assert (network.policy.changes["predators.strategy"], network.start) == ("neural", "neural")
+    assert rounds[0].best("predators") is max((numbers, network), key=lambda each: each.gain.mean)
+    trained = "round-0/predators-network/network.npz"
+    assert network.moved == {"predators.weights.network": ("networks/thesis-gains.npz", trained)}
+    assert (tmp_path / "whole" / trained).is_file()
+    race = Race(led, tmp_path / "whole")
+    against = [race.scenario(prey, network.policy) for prey in rounds[0].prey]
+    assert against[0].network("predators").digest != tiswarm.load("delft/neural").network("prey").digest
+    won = rounds[0].solution.rows @ [tiswarm.simulate(each, 300, 0).success.mean() for each in against]
+    assert network.gain.mean == pytest.approx(rounds[0].solution.value - won, abs=1e-9)
+
+
+def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, tmp_path, f32):
+    Race(led, tmp_path / "whole").run()
+    cut = tmp_path / "cut"
+
+    def stop(_round):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Race(led, cut).run(finished=stop)
+    cut.rename(tmp_path / "moved")
+    Race(led, tmp_path / "moved").run()
+    assert (tmp_path / "moved" / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
+
+
 def test_the_command_prints_rounds_and_writes_them(tmp_path):
     (tmp_path / "r.toml").write_text(RULES.replace("rounds = 2", "rounds = 1"))
     command = [sys.executable, "-m", "tiswarm", "bench", str(tmp_path / "r.toml"), "-o", str(tmp_path / "out")]
@@ -104,6 +153,7 @@ def test_the_command_prints_rounds_and_writes_them(tmp_path):
         ("candidates = 8", "candidates = 2", "candidates"),
         ('"prey.goal" = [0.01, 1.0, "log"]', '"prey.goal" = 3', "prey.over"),
         ('title = "Small"', 'title = "Small"\nround = 3', "round"),
+        ("[prey.over]", '[prey.network]\nbegin = { "prey.strategy" = "neural" }\n[prey.over]', "add 'prey.weights.network'"),
     ],
 )
 def test_wrong_rules_are_refused_in_one_line(old, new, told, tmp_path):

@@ -44,6 +44,15 @@ def test_the_result_is_told_on_trials_of_its_own(scenario, f32):
         assert new == tuned.scenario.numbers()[path]
 
 
+def test_halving_spends_the_budget_on_more_generations(scenario, f32):
+    tuned = tiswarm.tune(scenario, OVER, seed=2, halve=True, **SMALL)
+    assert len(tuned.history) == 24
+    for made in tuned.history:
+        assert sorted(made.met.tolist()) == [5] * 4 + [10] * 2 + [20] * 2
+        assert made.best == made.scores[made.met == 20].max()
+    assert sum(made.met.sum() for made in tuned.history) == SMALL["budget"]
+
+
 def test_a_weight_that_harms_is_taken_back(scenario, f32):
     harmed = scenario.replaced({"prey.goal": 0.012})
     tuned = tiswarm.tune(harmed, OVER, **SMALL)
@@ -150,11 +159,13 @@ KILLED = (
 )  # fmt: skip
 
 
-def test_kill_at_any_moment_leaves_the_same_bits(tmp_path):
-    subprocess.run(_command(*KILLED, "-o", tmp_path / "whole"), check=True, capture_output=True, timeout=120)
+@pytest.mark.parametrize("how", [("--halve",), ("--method", "openai-es")])
+def test_kill_at_any_moment_leaves_the_same_bits(tmp_path, how):
+    asked = (*KILLED, *how)
+    subprocess.run(_command(*asked, "-o", tmp_path / "whole"), check=True, capture_output=True, timeout=120)
     chance = random.Random(14)
     for k in range(4):
-        run = subprocess.Popen(_command(*KILLED, "-o", tmp_path / "cut"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        run = subprocess.Popen(_command(*asked, "-o", tmp_path / "cut"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         folder, due = tmp_path / "cut" / "generations", chance.randint(7 * k, 7 * k + 6)
         begun = time.monotonic()
         while run.poll() is None and time.monotonic() - begun < 60 and len(list(folder.glob("[0-9]*.npz"))) < due:
@@ -162,7 +173,7 @@ def test_kill_at_any_moment_leaves_the_same_bits(tmp_path):
         if run.poll() is None:
             os.kill(run.pid, signal.SIGKILL)
             run.wait()
-    subprocess.run(_command(*KILLED, "--film", "-o", tmp_path / "cut"), check=True, capture_output=True, timeout=120)
+    subprocess.run(_command(*asked, "--film", "-o", tmp_path / "cut"), check=True, capture_output=True, timeout=120)
     assert (tmp_path / "cut" / "film.mp4").stat().st_size > 10_000
     whole, cut = _files(tmp_path / "whole"), _files(tmp_path / "cut")
     assert whole.keys() == cut.keys()
@@ -187,6 +198,12 @@ def test_kill_at_any_moment_leaves_the_same_bits(tmp_path):
         (("--over", "prey.strategy=evasive,nobody"), "unknown 'nobody'"),
         (("--over", "prey.goal=0:1", "--also", "delft/pronav-99"), "unknown 'delft/pronav-99'"),
         (("--over", "prey.perception=-3:4"), "prey.perception"),
+        (("--over", "prey.goal=0:1", "--method", "nes"), "use 'cma-es' or 'openai-es'"),
+        (("--over", "prey.goal=0:1", "--method", "openai-es", "--candidates", 7), "is odd"),
+        (("--over", "prey.goal=0:1", "--halve", "--trials", 3), "too few to part"),
+        (("--over", "prey.strategy=0:1"), "is no number"),
+        (("--network", "prey"), "add --set prey.strategy=neural"),
+        (("--network", "preys"), "use prey or predators"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(tmp_path, arguments, told, command):

@@ -6,6 +6,7 @@ from pydantic import ValidationError
 
 from tiswarm import ScenarioError
 from tiswarm.studies.axes import Axis, label, points
+from tiswarm.studies.design import cells, load_study
 
 pytestmark = pytest.mark.quick
 
@@ -24,6 +25,24 @@ def test_zip_goes_side_by_side():
 def test_several_keys_of_one_axis_change_together():
     axis = Axis(key=("obstacles.count", "predators.count"), values=((0, 12), (10, 15)))
     assert points([axis], "grid", None)[1] == {"obstacles.count": 10, "predators.count": 15}
+
+
+def test_a_name_stands_for_what_an_axis_sets_in_rows_and_on_the_terminal(tmp_path):
+    text = (
+        'title = "t"\nbase = "delft/pronav-10"\ntrials = 2\n[[axes]]\nkey = ["name", "prey.strategy", "prey.weights.evade"]\n'
+    )
+    text += 'values = [["by hand", "evasive"], { name = "found", "prey.strategy" = "evasive", "prey.weights.evade" = 0.004 }]\n'
+    text += '[[axes]]\nkey = "base"\n'
+    text += 'values = ["delft/pronav-10", "delft/centre-10"]\n'
+    (tmp_path / "t.toml").write_text(text)
+    study = load_study(str(tmp_path / "t.toml"))
+    found = cells(str(tmp_path / "t.toml"), study, 0)
+    assert [cell.row for cell in found[1:3]] == ["by hand/delft/centre-10", "found/delft/pronav-10"]
+    assert found[3].scenario.numbers()["prey.weights.evade"] == 0.004
+    assert found[0].table.shown == ("name", "base")
+    (tmp_path / "t.toml").write_text(text.replace('"by hand"', '"found"'))
+    with pytest.raises(ScenarioError, match="name of its own"):
+        load_study(str(tmp_path / "t.toml"))
 
 
 def test_ranges_step_evenly_geometrically_or_through_whole_numbers():

@@ -262,3 +262,16 @@ def test_a_study_in_python_gives_frames_of_its_cells_and_trials(study, f32):
     assert "8 cells of 6 trials" in report._repr_html_()
     again = pickle.loads(pickle.dumps(report))
     assert again.to_pandas().equals(cells)
+
+
+def test_the_learned_table_has_each_strategy_by_hand_and_tuned_beside_networks_that_ship_in_every_world():
+    every = cells("delft-learned", load_study("delft-learned"), 0)
+    names = list(dict.fromkeys(cell.point["name"] for cell in every))
+    worlds = {cell.point["base"] for cell in every}
+    assert (len(every), len(worlds)) == (len(names) * 6, 6)
+    by_hand = [name for name in names if f"{name}, tuned" in names]
+    assert len(by_hand) == 7
+    led = [cell for cell in every if cell.point["name"] not in {*by_hand, *(f"{name}, tuned" for name in by_hand)}]
+    assert len(led) == 12
+    assert all(cell.scenario.network("prey") is not None for cell in led)
+    assert len({cell.scenario.hash() for cell in every}) == len(every)

@@ -39,7 +39,7 @@ def bench(
     from tiswarm.cli import figures as charts
     from tiswarm.cli import race
     from tiswarm.cli.progress_table import watching
-    from tiswarm.learning import arms_race
+    from tiswarm.learning import race_rules
     from tiswarm.studies import console, design, export, run
     from tiswarm.studies.payoffs import contest
     from tiswarm.system.files import write_text
@@ -52,7 +52,7 @@ def bench(
     drawn = charts.chosen(figures)
     start(seed or 0, threads, precision, strategy_path)
     folder = output or Path("out") / Path(study).stem
-    rules = arms_race.rules_of(study)
+    rules = race_rules.rules_of(study)
     if rules is not None:
         if sets or figures or per_trial:
             raise WrongInput(f"{study}: an arms race; drop --set, --figures, --per-trial and --parquet, or change its file")

@@ -68,12 +68,12 @@ def _heat(report: Report, rows: list[Row], folder: Path) -> None:
     from render.plots.heat import Heat, heat
 
     table = rows[0].cell.table
-    stops = [[tuple(map(label, stop.values())) for stop in axis.stops()] for axis in table.axes]
+    stops = [[tuple(label(stop[key]) for key in axis.shown if key in stop) for stop in axis.stops()] for axis in table.axes]
     if table.combine != "grid" or len(stops) < 2:
         raise WrongInput(f"--figures heat: {table.name} is no grid of two axes or more; draw bars, pairs or scatter")
     shape = (-1, len(stops[-2]), len(stops[-1]))
     names = [["/".join(stop) for stop in each] for each in stops]
-    heads = [" / ".join(axis.keys) for axis in table.axes]
+    heads = [" / ".join(axis.shown) for axis in table.axes]
     titles = [", ".join(f"{head} {name}" for head, name in zip(heads[:-2], row, strict=True)) for row in _product(names[:-2])]
     for measure in report.study.measures:
         mean, low, high = (each.reshape(shape) for each in _ends(rows, measure))

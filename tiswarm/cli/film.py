@@ -24,6 +24,7 @@ from tiswarm.cli.options import (
     load_scenario,
     out,
     pair,
+    plain_name,
     start,
 )
 from tiswarm.system.files import check_writable
@@ -209,7 +210,7 @@ def _subject(
         return tiswarm.Recording.load(source), Path(source).stem
     if grid and versus:
         raise WrongInput("--grid, --versus: use one of them")
-    plain = Path(source).stem if source.endswith(".toml") else source.replace("/", "-")
+    plain = plain_name(source)
     if versus:
         strategies = _names(versus)
         if len(strategies) < 2:

@@ -106,6 +106,24 @@ def load_scenario(preset: str, sets: list[str] | None) -> Any:
     return tiswarm.load(preset, dict(assignment(each) for each in sets or []))
 
 
+def begun(
+    presets: list[str],
+    sets: list[str] | None,
+    seed: int,
+    threads: int | None,
+    precision: str,
+    strategy_path: list[Path] | None,
+) -> list[Any]:
+    """Check what every verb takes, start Taichi, and load presets with what --set changes."""
+    start(seed, threads, precision, strategy_path)
+    return [load_scenario(each, sets) for each in presets]
+
+
+def plain_name(preset: str) -> str:
+    """Give a preset's name as part of a file's name."""
+    return Path(preset).stem if preset.endswith(".toml") else preset.replace("/", "-")
+
+
 def assignment(text: str) -> tuple[str, Any]:
     """Read KEY=VALUE: the value as TOML, or a bare word as text."""
     import tomllib

@@ -30,7 +30,7 @@ def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Cal
 
     def picture() -> Group:
         shown = rows[-max(console.height - FRAME, 3) :]
-        keys = list(dict.fromkeys(key for row in shown for key in row.cell.table.keys))
+        keys = list(dict.fromkeys(key for row in shown for key in row.cell.table.shown))
         named = len({row.cell.table.name for row in rows}) > 1
         return Group(fitting(shown, keys, measures, named, console), bar)
 

@@ -9,7 +9,8 @@ import numpy as np
 from rich.table import Table
 
 from tiswarm.cli.options import out
-from tiswarm.learning.arms_race import Race, Round, Rules
+from tiswarm.learning.arms_race import SIDES, Race, Round
+from tiswarm.learning.race_rules import Rules
 
 SHOWN = 0.005
 """Shares of a mixture below this are not worth a line."""
@@ -42,7 +43,7 @@ def print_rounds(rounds: list[Round]) -> None:
     heads = ("round", "value", "prey play", "predators play", "prey gain", "predators gain")
     table = Table(*heads, title="Rounds", title_justify="left")
     for each in rounds:
-        gains = [_gain(answer) for answer in each.answers]
+        gains = [_gain(each.best(side)) for side in SIDES]
         low, high = each.value
         mixtures = [_mixture(each.prey, each.solution.rows), _mixture(each.predators, each.solution.columns)]
         table.add_row(str(each.number), f"{each.solution.value:.4f} ({low:.4f} to {high:.4f})", *mixtures, *gains)
@@ -50,8 +51,14 @@ def print_rounds(rounds: list[Round]) -> None:
     for each in rounds:
         for answer in each.answers:
             if answer.accepted:
-                words = ", ".join(f"{path.rpartition('.')[2]} {old:g} to {new:g}" for path, (old, new) in answer.moved.items())
+                words = ", ".join(
+                    f"{path.rpartition('.')[2]} {_word(old)} to {_word(new)}" for path, (old, new) in answer.moved.items()
+                )
                 out.print(f"round {each.number}, {answer.side}: {answer.policy.name} from {answer.start}: {words}")
+
+
+def _word(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _gain(answer: Any) -> str:

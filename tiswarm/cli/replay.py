@@ -7,7 +7,19 @@ from typing import Annotated, Any
 
 import typer
 
-from tiswarm.cli.options import Precision, Quiet, Seed, Sets, StrategyPath, Threads, WrongInput, load_scenario, out, start
+from tiswarm.cli.options import (
+    Precision,
+    Quiet,
+    Seed,
+    Sets,
+    StrategyPath,
+    Threads,
+    WrongInput,
+    load_scenario,
+    out,
+    plain_name,
+    start,
+)
 
 MOST = 400
 """Recordings that a gallery shows."""
@@ -139,7 +151,7 @@ def _run(
     """Run a trial of a preset, or the same under several prey strategies."""
     import tiswarm
 
-    plain = Path(preset).stem if preset.endswith(".toml") else preset.replace("/", "-")
+    plain = plain_name(preset)
     if versus is None:
         return [tiswarm.record(load_scenario(preset, sets), trial, seed, terms=terms)], [""], f"{plain}-{trial}"
     strategies = [each.strip() for each in versus.split(",") if each.strip()]

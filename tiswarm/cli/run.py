@@ -17,8 +17,9 @@ from tiswarm.cli.options import (
     StrategyPath,
     Threads,
     WrongInput,
-    load_scenario,
+    begun,
     out,
+    plain_name,
     start,
 )
 from tiswarm.system.progress import reporting
@@ -59,8 +60,7 @@ def run(
     if form is not None and output is None:
         raise WrongInput(f"--format {form}: say where to write, with -o DIR")
     written = checked_form(form or "csv")
-    start(seed, threads, precision, strategy_path)
-    scenario = load_scenario(preset, sets)
+    (scenario,) = begun([preset], sets, seed, threads, precision, strategy_path)
     plots = _plots_folder(preset, output) if plot else None
     for folder in (output, plots):
         if folder is not None:
@@ -90,8 +90,7 @@ def _plots_folder(preset: str, output: Path | None) -> Path:
         check_matplotlib()
     except ModuleNotFoundError as error:
         raise WrongInput(f"--plot: {error}") from None
-    plain = Path(preset).stem if preset.endswith(".toml") else preset.replace("/", "-")
-    return output or Path("out") / plain
+    return output or Path("out") / plain_name(preset)
 
 
 def _plot(scenario: Any, seed: int, trials: int, folder: Path, quiet: bool) -> list[Path]:

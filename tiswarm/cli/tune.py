@@ -17,58 +17,57 @@ from tiswarm.cli.options import (
     StrategyPath,
     Threads,
     WrongInput,
-    load_scenario,
+    begun,
     out,
-    start,
+    plain_name,
 )
 from tiswarm.system.words import safe
 
 
+def _option(name: str, metavar: str | None, told: str) -> Any:
+    return typer.Option(*name.split(), metavar=metavar, help=told)
+
+
+_OVER = _option(
+    "--over",
+    "KEY=LOW:HIGH",
+    "A number to find; KEY=LOW:HIGH:log on a log scale, KEY=A,B,C one of several by a race. Repeat for more.",
+)
+_MAXIMISE = _option("--maximise", "SUM", "What to make large: success when left out, or 'success - 0.001 time'.")
+_MINIMISE = _option("--minimise", "MEASURE", "A measure to make small instead: success for predators.")
+_NETWORK = _option("--network", "SIDE", "Train the network of the prey or the predators.")
+_METHOD = _option("--method", "cma-es|openai-es", "How to search; openai-es: OpenAI's evolution strategy, in pairs.")
+_ALSO = _option("--also", "PRESET", "Count this scenario, too, with the same --set; repeat for more.")
+_ACROSS = _option("--across", "mean|worst", "How scenarios count together.")
+_BUDGET = _option("--budget", "TRIALS", "Trials that the search may take.")
+_CANDIDATES = _option("--candidates", "N", "Candidates of a generation.")
+_TRIALS = _option("--trials", "N", "Trials of each candidate; all of a generation meet the same ones.")
+_HALVE = _option("--halve", None, "Let the worse half leave after a quarter of a generation's trials, and again after half.")
+_CHECKS = _option("--checks", "N", "Trials that tell which generation was best.")
+_VALIDATION = _option("--validation", "N", "Trials that no search saw, on which alone the result is told.")
+_OUTPUT = _option("-o --output", "DIR", "Where to write; out/tune-PRESET when left out.")
+_FRESH = _option("--fresh", None, "Throw away what the folder holds, instead of going on with it.")
+_FILM = _option("--film", None, "Also film start and found side by side, trial 0, as DIR/film.mp4.")
+
+
 def tune(
     preset: Preset,
-    over: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--over",
-            metavar="KEY=LOW:HIGH",
-            help="A number to find; KEY=LOW:HIGH:log on a log scale, KEY=A,B,C one of several by a race. Repeat for more.",
-        ),
-    ] = None,
-    maximise: Annotated[
-        str | None,
-        typer.Option("--maximise", metavar="SUM", help="What to make large: success when left out, or 'success - 0.001 time'."),
-    ] = None,
-    minimise: Annotated[
-        str | None,
-        typer.Option("--minimise", metavar="MEASURE", help="A measure to make small instead: success for predators."),
-    ] = None,
-    network: Annotated[
-        str,
-        typer.Option("--network", metavar="SIDE", help="Train the network of the prey or the predators."),
-    ] = "",
-    also: Annotated[
-        list[str] | None,
-        typer.Option("--also", metavar="PRESET", help="Count this scenario, too, with the same --set; repeat for more."),
-    ] = None,
-    across: Annotated[str, typer.Option("--across", metavar="mean|worst", help="How scenarios count together.")] = "mean",
-    budget: Annotated[int, typer.Option("--budget", metavar="TRIALS", help="Trials that the search may take.")] = 1_280_000,
-    candidates: Annotated[int, typer.Option("--candidates", metavar="N", help="Candidates of a generation.")] = 32,
-    trials: Annotated[
-        int, typer.Option("--trials", metavar="N", help="Trials of each candidate; all of a generation meet the same ones.")
-    ] = 200,
-    checks: Annotated[int, typer.Option("--checks", metavar="N", help="Trials that tell which generation was best.")] = 2000,
-    validation: Annotated[
-        int, typer.Option("--validation", metavar="N", help="Trials that no search saw, on which alone the result is told.")
-    ] = 10_000,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Where to write; out/tune-PRESET when left out.")
-    ] = None,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Throw away what the folder holds, instead of going on with it.")
-    ] = False,
-    film: Annotated[
-        bool, typer.Option("--film", help="Also film start and found side by side, trial 0, as DIR/film.mp4.")
-    ] = False,
+    over: Annotated[list[str] | None, _OVER] = None,
+    maximise: Annotated[str | None, _MAXIMISE] = None,
+    minimise: Annotated[str | None, _MINIMISE] = None,
+    network: Annotated[str, _NETWORK] = "",
+    method: Annotated[str, _METHOD] = "cma-es",
+    also: Annotated[list[str] | None, _ALSO] = None,
+    across: Annotated[str, _ACROSS] = "mean",
+    budget: Annotated[int, _BUDGET] = 1_280_000,
+    candidates: Annotated[int, _CANDIDATES] = 32,
+    trials: Annotated[int, _TRIALS] = 200,
+    halve: Annotated[bool, _HALVE] = False,
+    checks: Annotated[int, _CHECKS] = 2000,
+    validation: Annotated[int, _VALIDATION] = 10_000,
+    output: Annotated[Path | None, _OUTPUT] = None,
+    fresh: Annotated[bool, _FRESH] = False,
+    film: Annotated[bool, _FILM] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -77,30 +76,20 @@ def tune(
     quiet: Quiet = False,
 ) -> None:
     """Find numbers that make an objective large, validated on new trials. A search cut short goes on where it stopped."""
-    # Long by its options: a verb's signature is its help.
-    from tiswarm.cli import tune_figures
     from tiswarm.cli.tune_table import watching
-    from tiswarm.learning import keys
     from tiswarm.learning.tune import tune as search
     from tiswarm.system.owner import locked
 
-    if maximise is not None and minimise is not None:
-        raise WrongInput("--maximise, --minimise: use one of them")
-    if not over and not network:
-        raise WrongInput("tune: nothing to change; name a key, for example --over prey.weights.evade=0:0.1")
-    ranges = dict(keys.read(each) for each in over or [])
-    if len(ranges) < len(over or []):
-        raise WrongInput("--over: a key is named twice; give it one range")
-    objective = negated(minimise) if minimise is not None else maximise or "success"
-    start(seed, threads, precision, strategy_path)
-    scenarios = [load_scenario(each, sets) for each in (preset, *(also or []))]
-    folder = output or Path("out") / f"tune-{Path(preset).stem if preset.endswith('.toml') else preset.replace('/', '-')}"
+    ranges = _ranges(over, network)
+    aim = _aim(maximise, minimise)
+    scenarios = begun([preset, *(also or [])], sets, seed, threads, precision, strategy_path)
+    folder = output or Path("out") / f"tune-{plain_name(preset)}"
     with locked(folder), watching(not quiet) as (report, finished):
         tuned = search(
             scenarios,
             ranges,
             budget,
-            objective,
+            aim,
             across,  # type: ignore[arg-type]
             candidates,
             trials,
@@ -112,7 +101,35 @@ def tune(
             network,
             progress=report,
             finished=finished,
+            method=method,  # type: ignore[arg-type]
+            halve=halve,
         )
+    _show(tuned, folder, film, quiet)
+
+
+def _ranges(over: list[str] | None, network: str) -> dict[str, Any]:
+    """Read --over. Errors: WrongInput."""
+    from tiswarm.learning import keys
+
+    if not over and not network:
+        raise WrongInput("tune: nothing to change; name a key, for example --over prey.weights.evade=0:0.1")
+    ranges = dict(keys.read(each) for each in over or [])
+    if len(ranges) < len(over or []):
+        raise WrongInput("--over: a key is named twice; give it one range")
+    return ranges
+
+
+def _aim(maximise: str | None, minimise: str | None) -> str:
+    """Say what is made large. Errors: WrongInput."""
+    if maximise is not None and minimise is not None:
+        raise WrongInput("--maximise, --minimise: use one of them")
+    return negated(minimise) if minimise is not None else maximise or "success"
+
+
+def _show(tuned: Any, folder: Path, film: bool, quiet: bool) -> None:
+    """Draw, film and print what was found."""
+    from tiswarm.cli import tune_figures
+
     can_draw = importlib.util.find_spec("matplotlib") is not None
     if can_draw:
         tune_figures.draw(tuned, folder)
@@ -121,8 +138,8 @@ def tune(
     print_tuned(tuned)
     if not quiet:
         missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
-        count = sum(len(made.scores) * trials for made in tuned.history)
-        out.print(f"{count:,} trials searched, {tuned.seconds:.1f} s, seed {seed}; written to {folder}{missing}")
+        count = sum(int(made.met.sum()) for made in tuned.history)
+        out.print(f"{count:,} trials searched, {tuned.seconds:.1f} s, seed {tuned.seed}; written to {folder}{missing}")
 
 
 def _film(tuned: Any, folder: Path) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.learning import halving
 from tiswarm.learning.sensitivity import sensitivities
 
 MOST_LINES = 400
@@ -21,7 +22,7 @@ def draw(tuned: Any, folder: Path) -> list[Path]:
     away = [each.difference for each in tuned.validations]
     told = Progress(
         numbers,
-        np.array([made.scores.max() for made in tuned.history]),
+        np.array([made.best for made in tuned.history]),
         np.array([made.scores.mean() for made in tuned.history]),
         np.array([made.number + 1 for made in checked]),
         *_ends(gains),
@@ -54,7 +55,8 @@ def _candidates(tuned: Any, folder: Path, title: str) -> Path:
     own = [made for made in tuned.history if made.arm_number == tuned.best.arm]
     arm = own[0].arm
     units = np.concatenate([made.units[:, : len(arm.ranges)] for made in own])
-    rank = np.concatenate([np.argsort(np.argsort(made.scores)) / max(len(made.scores) - 1, 1) for made in own])
+    standings = [halving.standing(made.scores, made.met) for made in own]
+    rank = np.concatenate([np.argsort(np.argsort(each)) / max(len(each) - 1, 1) for each in standings])
     some = np.linspace(0, len(units) - 1, min(MOST_LINES, len(units))).astype(int)
     ends = [(f"{each.low:g}", f"{each.high:g}") for each in arm.ranges]
     best = np.array([each.unit(value) for each, value in zip(arm.ranges, tuned.best.values, strict=False)])

@@ -66,7 +66,7 @@ def table(rows: list[Any]) -> Any:
         found.add_column(head, justify="left" if head == "choice" else "right")
     for row in rows:
         cells = [f"{row.number + 1} of {row.of}", *([row.arm.name] if raced else [])]
-        cells += [f"{row.scores.max():.4f}", f"{row.scores.mean():.4f}"]
+        cells += [f"{row.best:.4f}", f"{row.scores.mean():.4f}"]
         gain = row.check.gain if row.check else None
         cells += [f"{row.check.score:.4f}", f"{gain.mean:+.4f} ± {(gain.high - gain.low) / 2:.4f}"] if gain else ["", ""]
         found.add_row(*cells)

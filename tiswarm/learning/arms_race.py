@@ -1,25 +1,23 @@
-"""Arms race: both sides of a game answer each other's best mixture by new numbers, round after round (double oracle)."""
+"""Arms race: both sides of a game answer each other's best mixture by new numbers, or by a network (double oracle)."""
 
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field, ValidationError
 
 from tiswarm.engine.run import simulate
+from tiswarm.learning.race_rules import Contestants, Rules, Training
 from tiswarm.learning.store import Store
 from tiswarm.learning.tune import tune
+from tiswarm.learning.tuned import Tuned
 from tiswarm.records.results import Estimate
-from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.model import Scenario
-from tiswarm.scenario.parts import Part
-from tiswarm.scenario.presets import load, read_toml
+from tiswarm.scenario.presets import load
 from tiswarm.studies import zero_sum
-from tiswarm.studies.design import find_study
 from tiswarm.system.files import write_text
 
 SIDES = ("prey", "predators")
@@ -30,44 +28,12 @@ LEAST_SHARE = 0.01
 RESAMPLES = 200
 
 
-class Contestants(Part):
-    """What one side begins with, and the keys that its answers may change: KEY = [LOW, HIGH] or [LOW, HIGH, SCALE]."""
-
-    policies: Annotated[tuple[dict[str, Any], ...], Field(min_length=1)]
-    over: dict[str, tuple[float, float] | tuple[float, float, str]]
-
-
-class Rules(Part):
-    """An arms race as its TOML file states it."""
-
-    title: str
-    source: str = ""
-    base: str
-    trials: Annotated[int, Field(strict=True, ge=2)] = 10_000  # of each cell of the pay-off matrix
-    seed: Annotated[int, Field(strict=True, ge=0)] = 0
-    rounds: Annotated[int, Field(strict=True, ge=1, le=100)] = 5
-    budget: Annotated[int, Field(strict=True, ge=1)] = 128_000  # trials of each search, in each scenario that counts
-    candidates: Annotated[int, Field(strict=True, ge=4)] = 24
-    search_trials: Annotated[int, Field(strict=True, ge=1)] = 100  # of each candidate
-    checks: Annotated[int, Field(strict=True, ge=2)] = 2000
-    prey: Contestants
-    predators: Contestants
-
-
-def rules_of(name: str) -> Rules | None:
-    """Read the rules of a race by the name or path of its file; None for a study that is none. Errors: ScenarioError."""
-    table = read_toml(find_study(name))
-    if "rounds" not in table:
-        return None
-    try:
-        return Rules.model_validate(table)
-    except ValidationError as error:
-        raise ScenarioError(f"{name}: {explained(error, Rules)}") from None
-
-
 @dataclass(frozen=True)
 class Policy:
-    """One way for a side to behave: keys of the scenario; born: the round that found it, 0 for those of the beginning."""
+    """One way for a side to behave: keys of the scenario; born: the round that found it, 0 for those of the beginning.
+
+    The file of a network that the race trained is named from its folder on.
+    """
 
     name: str
     changes: Mapping[str, Any]
@@ -103,10 +69,14 @@ class Round:
     value: tuple[float, float]
     answers: tuple[Answer, ...]
 
+    def best(self, side: str) -> Answer:
+        """Give the answer with which a side gains most."""
+        return max((each for each in self.answers if each.side == side), key=lambda answer: answer.gain.mean)
+
     @property
     def exploitability(self) -> float:
-        """Give how much both sides together gain by their answers, those that gain nothing left out."""
-        return sum(max(each.gain.mean, 0.0) for each in self.answers)
+        """Give how much both sides together gain by their best answers, a side that gains nothing left out."""
+        return sum(max(self.best(side).gain.mean, 0.0) for side in SIDES)
 
     def told(self) -> dict[str, Any]:
         """Give the round as plain tables."""
@@ -157,7 +127,12 @@ class Race:
 
     def scenario(self, prey: Policy, predators: Policy) -> Scenario:
         """Give the world in which two policies meet."""
-        return self._base.replaced({**prey.changes, **predators.changes})
+        return self._base.replaced(self._placed({**prey.changes, **predators.changes}))
+
+    def _placed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Name the files of networks that the race trained from where the process is."""
+        own = {path: self.folder / str(value) for path, value in changes.items() if path.endswith(".weights.network")}
+        return {**changes, **{path: str(file) for path, file in own.items() if file.is_file()}}
 
     def run(self, fresh: bool = False, finished: Callable[[Round], None] | None = None) -> list[Round]:
         """Run rounds until neither side gains more than its interval, or there are no more.
@@ -187,8 +162,8 @@ class Race:
         solution = zero_sum.solve(trials.mean(axis=2))
         spread = zero_sum.bootstrap(list(map(list, trials)), paired=True, seed=self.seed, resamples=RESAMPLES)
         away = np.array([[(e.high - e.low) / 2 for e in map(Estimate.of, row)] for row in trials])
-        answers = tuple(self._answer(side, number, trials, solution, fresh) for side in SIDES)
-        return Round(number, prey, predators, trials.mean(axis=2), away, solution, spread.value, answers)
+        answers = [self._answers(side, number, trials, solution, fresh) for side in SIDES]
+        return Round(number, prey, predators, trials.mean(axis=2), away, solution, spread.value, (*answers[0], *answers[1]))
 
     def _outcomes(self, prey: Policy, predators: Policy) -> np.ndarray:
         """Give the prey's success in the trials of a cell, which no search sees: [trial]."""
@@ -200,43 +175,105 @@ class Race:
         self._store.keep(scenario.hash(), {"success": success})
         return success
 
-    def _answer(self, side: str, number: int, trials: np.ndarray, solution: zero_sum.Solution, fresh: bool) -> Answer:
-        """Search for numbers of one side against the other's mixture, beginning with what does best against that."""
-        rules, sign = (self.rules.prey, 1.0) if side == "prey" else (self.rules.predators, -1.0)
+    def _answers(
+        self, side: str, number: int, trials: np.ndarray, solution: zero_sum.Solution, fresh: bool
+    ) -> tuple[Answer, ...]:
+        """Search for numbers of one side against the other's mixture, and where these gain nothing, train a network."""
         own, others = self._policies[side], self._policies["predators" if side == "prey" else "prey"]
-        shares = solution.columns if side == "prey" else solution.rows
-        table = trials.mean(axis=2) if side == "prey" else trials.mean(axis=2).T
-        start = own[int(np.argmax(sign * (table @ shares)))]
-        met = [k for k in range(len(others)) if shares[k] > LEAST_SHARE]
-        pairs = [(start, others[k]) if side == "prey" else (others[k], start) for k in met]
-        scenarios = [self.scenario(*pair) for pair in pairs]
-        known = scenarios[0].numbers()
-        tuned = tune(
-            scenarios,
-            {path: tuple(ends) for path, ends in rules.over.items() if path in known},
-            self.rules.budget,
-            "success" if sign > 0 else "-success",
-            candidates=self.rules.candidates,
-            trials=self.rules.search_trials,
+        mixed = np.einsum("i,j,ijk->k", solution.rows, solution.columns, trials)
+        task = _Task(side, number, others, solution.columns if side == "prey" else solution.rows, mixed, fresh)
+        by_numbers = self._by_numbers(task, self._best(own, task))
+        training = self._contestants(side).network
+        if by_numbers.accepted or training is None:
+            return (by_numbers,)
+        led = [each for each in own if f"{side}.weights.network" in each.changes]
+        begin = Policy(_name(training.begin), training.begin, 0)
+        return by_numbers, self._by_network(task, self._best([begin, *led], task), training)
+
+    def _contestants(self, side: str) -> Contestants:
+        return self.rules.prey if side == "prey" else self.rules.predators
+
+    def _best(self, policies: Sequence[Policy], task: "_Task") -> Policy:
+        """Give the policy that does best against the other side's mixture, the first of equals."""
+        return max(policies, key=lambda policy: task.sign * self._won(policy, task).mean())
+
+    def _won(self, policy: Policy, task: "_Task") -> np.ndarray:
+        """Give the prey's success where a policy meets the other side's mixture: [trial]."""
+        meetings = [
+            (share, *task.pair(policy, each)) for share, each in zip(task.shares, task.others, strict=True) if share > 0
+        ]
+        return np.asarray(sum(share * self._outcomes(prey, predators) for share, prey, predators in meetings))
+
+    def _by_numbers(self, task: "_Task", start: Policy) -> Answer:
+        """Search for numbers, beginning with those of a policy."""
+        known = self.scenario(*task.pair(start, task.others[0])).numbers()
+        over = {path: tuple(ends) for path, ends in self._contestants(task.side).over.items() if path in known}
+        tuned = self._searched(task, start, self.rules, over, "")
+        return self._told(task, start, tuned.changes)
+
+    def _by_network(self, task: "_Task", start: Policy, training: Training) -> Answer:
+        """Train a network, beginning with that of a policy."""
+        key = f"{task.side}.weights.network"
+        tuned = self._searched(task, start, training, {}, task.side)
+        file = (task.folder("-network") / "network.npz").as_posix()
+        return self._told(task, start, {key: (start.changes[key], file)} if tuned.improved else {})
+
+    def _searched(self, task: "_Task", start: Policy, spent: Rules | Training, over: Mapping[str, Any], network: str) -> Tuned:
+        """Search against those whom the mixture plays, each counted as it is played."""
+        met = [k for k in range(len(task.others)) if task.shares[k] > LEAST_SHARE]
+        return tune(
+            [self.scenario(*task.pair(start, task.others[k])) for k in met],
+            over,
+            spent.budget,
+            "success" if task.sign > 0 else "-success",
+            candidates=spent.candidates,
+            trials=spent.search_trials,
             checks=self.rules.checks,
             validation=2,
-            seed=self.seed + number + 1,
-            folder=self.folder / f"round-{number}" / side,
-            fresh=fresh,
-            shares=[float(shares[k]) for k in met],
+            seed=self.seed + task.number + 1,
+            folder=self.folder / task.folder("-network" if network else ""),
+            fresh=task.fresh,
+            network=network,
+            shares=[float(task.shares[k]) for k in met],
         )
-        moved = tuned.changes
+
+    def _told(self, task: "_Task", start: Policy, moved: dict[str, tuple[Any, Any]]) -> Answer:
+        """Say what an answer gains, on the trials of the matrix."""
         changes = {**start.changes, **{path: new for path, (_, new) in moved.items()}}
-        policy = Policy(f"{_plain(start.name)} {number + 1}", changes, number + 1)
-        mixed = np.einsum("i,j,ijk->k", solution.rows, solution.columns, trials)
-        won = [self._outcomes(policy, each) if side == "prey" else self._outcomes(each, policy) for each in others]
-        gain = Estimate.of(sign * (np.tensordot(shares, np.array(won), 1) - mixed))
-        return Answer(side, start.name, policy, gain, moved)
+        policy = Policy(f"{_plain(start.name)} {task.number + 1}", changes, task.number + 1)
+        gain = Estimate.of(task.sign * (self._won(policy, task) - task.mixed))
+        return Answer(task.side, start.name, policy, gain, moved)
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What one side answers in a round: the others and how they are mixed, [other], and the prey's success so far, [trial]."""
+
+    side: str
+    number: int
+    others: Sequence[Policy]
+    shares: np.ndarray
+    mixed: np.ndarray
+    fresh: bool
+
+    @property
+    def sign(self) -> float:
+        """Give which way the prey's success is good."""
+        return 1.0 if self.side == "prey" else -1.0
+
+    def pair(self, own: Policy, other: Policy) -> tuple[Policy, Policy]:
+        """Give who meets whom, the prey first."""
+        return (own, other) if self.side == "prey" else (other, own)
+
+    def folder(self, kind: str) -> Path:
+        """Give where a search lies, within the race's folder."""
+        return Path(f"round-{self.number}") / f"{self.side}{kind}"
 
 
 def _name(changes: Mapping[str, Any]) -> str:
-    """Name a policy by its words."""
-    return " ".join(str(value) for value in changes.values() if isinstance(value, str)) or "base"
+    """Name a policy by its words, a network's file left out."""
+    words = [value for path, value in changes.items() if isinstance(value, str) and not path.endswith(".network")]
+    return " ".join(words) or "base"
 
 
 def _plain(name: str) -> str:

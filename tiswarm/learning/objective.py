@@ -115,9 +115,9 @@ class Evaluation:
         results = [world.run(numbers, trials, self._seed, networks) for world in self._worlds]
         return np.stack([self._objective.of(each).reshape(shape) for each in results])
 
-    def scores(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
+    def joined(self, outcomes: np.ndarray) -> np.ndarray:
         """Give what candidates are ranked by: [candidate], -inf for one without a value in some scenario."""
-        return scores_of(self.outcomes(values, trials), self._across, self.shares)
+        return scores_of(outcomes, self._across, self.shares)
 
 
 def scores_of(outcomes: np.ndarray, across: Across, shares: np.ndarray | None = None) -> np.ndarray:

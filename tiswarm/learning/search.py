@@ -1,12 +1,15 @@
-"""Search: CMA-ES by the library `cmaes`, in the unit cube for numbers, without bounds for weights; large scores are good."""
+"""Search: CMA-ES by the library `cmaes`, or pairs, in the unit cube for numbers, without bounds for weights; large is good."""
 
 import importlib.util
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
+from tiswarm.learning.evolution import PairedStrategy
 from tiswarm.scenario.errors import ScenarioError
+
+Method = Literal["cma-es", "openai-es"]
 
 SIGMA = 0.25
 """First step, of the width of a range: two standard deviations reach from the middle to an end."""
@@ -21,10 +24,22 @@ def check_cmaes() -> None:
         raise ValueError("tune: cmaes is not installed; pip install 'tiswarm[tune]'")
 
 
+def check_method(method: str, candidates: int, halving: bool) -> None:
+    """Raise ScenarioError for a method that is not there, or cannot do what is asked of it."""
+    if method not in get_args(Method):
+        raise ScenarioError(f"method: {method!r} is not known; use 'cma-es' or 'openai-es'")
+    if method == "openai-es" and candidates % 2:
+        raise ScenarioError(f"candidates: openai-es asks for pairs, and {candidates} is odd; use {candidates + 1}")
+    if method == "openai-es" and halving:
+        raise ScenarioError("halving: openai-es compares all candidates on the same trials; leave halving out, or use cma-es")
+
+
 class Search:
     """Asks for candidates and is told their scores; what it asks for depends on its seed and on what it was told alone."""
 
-    def __init__(self, start: np.ndarray, candidates: int, seed: Sequence[int], steps: np.ndarray) -> None:
+    def __init__(
+        self, start: np.ndarray, candidates: int, seed: Sequence[int], steps: np.ndarray, method: Method = "cma-es"
+    ) -> None:
         """Begin at a place: [coordinate].
 
         steps: [range], between whole numbers, 0 for real ones; coordinates behind the ranges have no bounds. Many are searched
@@ -42,8 +57,12 @@ class Search:
         given: dict[str, Any] = {"bounds": bounds, "seed": word, "population_size": candidates}
         if self._whole and len(start) > len(steps):
             raise ScenarioError("tune: whole numbers cannot be searched together with a network; find them first")
+        if self._whole and method == "openai-es":
+            raise ScenarioError("tune: openai-es cannot search whole numbers; use cma-es")
         self._cma: Any
-        if self._whole:
+        if method == "openai-es":
+            self._cma = PairedStrategy(start, SIGMA, **given)
+        elif self._whole:
             self._cma = CMAwM(start, SIGMA, steps=steps, **given)
         else:
             self._cma = (SepCMA if len(start) > MANY else CMA)(start, SIGMA, **given)

@@ -45,7 +45,8 @@ class Check:
 class Generation:
     """One generation: its candidates in the unit cube, [candidate, range], their scores, [candidate], and the middle, [range].
 
-    check: where the middle was looked at; seconds: how long it took, with its check.
+    met: trials that each candidate met, [candidate]; check: where the middle was looked at; seconds: how long it took, with its
+    check.
     """
 
     number: int
@@ -54,9 +55,15 @@ class Generation:
     arm: Arm
     units: np.ndarray
     scores: np.ndarray
+    met: np.ndarray
     centre: np.ndarray
     check: Check | None
     seconds: float
+
+    @property
+    def best(self) -> float:
+        """Give the best score of those that met all trials."""
+        return float(self.scores[self.met == self.met.max()].max())
 
 
 @dataclass(frozen=True)
@@ -143,7 +150,7 @@ class Tuned:
                 gain = made.check.gain
                 check = tuple(map(repr, (made.check.score, gain.mean, gain.low, gain.high)))  # type: ignore[assignment]
             middle = dict(zip((each.path for each in made.arm.ranges), made.arm.values(made.centre[None])[0], strict=False))
-            best, mean = (repr(float(each)) for each in (made.scores.max(), made.scores.mean()))
+            best, mean = (repr(each) for each in (made.best, float(made.scores.mean())))
             writer.writerow(
                 (
                     made.number,

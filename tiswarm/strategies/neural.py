@@ -1,5 +1,7 @@
 """What a network is told: nearest obstacle and opponent, target and swarm, in the world's axes or in the agent's own frame."""
 
+from dataclasses import dataclass
+
 import taichi as ti
 
 from tiswarm.simd.lanes import dot, larger, motion, safe, scaled, unit, vector
@@ -38,6 +40,34 @@ def note_opponent(notes: ti.template(), opponent, away, reach):
     notes.opponent = ti.select(closer, near, notes.opponent)
     for k in ti.static(range(len(away))):
         vector(notes, "opponent")[k] = ti.select(closer, -1.0 * away[k], vector(notes, "opponent")[k])
+
+
+@ti.func
+def note_neighbour(notes: ti.template(), other, away, reach):
+    """Count a neighbour in sight, and add up its velocity."""
+    near = ti.select(dot(away, away) <= reach * reach, other.alive, 0.0)
+    notes.n += near
+    for k in ti.static(range(len(away))):
+        vector(notes, "along")[k] += near * motion(other)[k]
+
+
+class Led:
+    """What the neural strategies of both sides share: their network, and how they note an obstacle."""
+
+    networked = True
+    notes = NOTES
+
+    @dataclass(frozen=True)
+    class Weights:
+        """The network."""
+
+        network: str = "networks/thesis-gains.npz"  # its file, beside the preset or those that ship
+
+    @staticmethod
+    @ti.func
+    def notice(notes: ti.template(), me, obstacle, away, weights):  # noqa: ARG004 - as all hooks
+        """Note an obstacle of a tick."""
+        note_obstacle(notes, obstacle, away, me.perception)
 
 
 @ti.func

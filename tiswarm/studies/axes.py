@@ -3,7 +3,7 @@
 import itertools
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -16,6 +16,9 @@ Whole = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 Combine = Literal["grid", "zip", "latin"]
 
+NAME = "name"
+"""A key that no scenario has: what tables call the stop of an axis whose values are too many to read."""
+
 DIGITS = 6
 """Significant digits of drawn values, so that a table's columns state exactly what was run."""
 
@@ -24,7 +27,8 @@ class Axis(Part):
     """One key and the values it takes, or several keys that change together; `base` is a key, too.
 
     For several keys each value is a list, one for each of them; it may end early, and the keys behind are then left alone (a
-    strategy's own weight where another strategy is chosen).
+    strategy's own weight where another strategy is chosen). Or it is a table, key = value, of some of them. One of the keys may
+    be `name`, what tables call the stop.
 
     Either `values`, or a range `low` to `high`: of `steps` even steps, both ends included, or drawn from by a Latin hypercube.
     """
@@ -46,11 +50,15 @@ class Axis(Part):
                 raise ValueError("an axis has values, or low and high; drop one of them")
             if not self.values:
                 raise ValueError("values must not be empty")
-            wrong = [value for value in self.values if len(self.keys) > 1 and not _at_most(value, len(self.keys))]
+            wrong = [value for value in self.values if len(self.keys) > 1 and not _fits(value, self.keys)]
             if wrong:
+                count = len(self.keys)
                 raise ValueError(
-                    f"with {len(self.keys)} keys each value is a list of 1 to {len(self.keys)}, unlike {wrong[0]!r}"
+                    f"with {count} keys each value is a list of 1 to {count}, or a table of them, unlike {wrong[0]!r}"
                 )
+            names = [str(stop.get(NAME)) for stop in map(self._point, self.values)] if NAME in self.keys else []
+            if len(set(names)) < len(names):
+                raise ValueError("give each stop of an axis a name of its own")
         elif self.low is None or self.high is None or self.low > self.high:
             raise ValueError("an axis needs values = [...], or low and high with low <= high")
         elif self.scale == "log" and self.low <= 0:
@@ -63,6 +71,11 @@ class Axis(Part):
     def keys(self) -> tuple[str, ...]:
         """List the keys, one or several."""
         return (self.key,) if isinstance(self.key, str) else self.key
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """List the keys that tables show: the name alone where there is one."""
+        return (NAME,) if NAME in self.keys else self.keys
 
     def stops(self) -> list[dict[str, Any]]:
         """List what the axis sets, stop by stop. Errors: ScenarioError for a range without steps, or too many whole ones."""
@@ -87,6 +100,8 @@ class Axis(Part):
         return round(value) if self.whole else float(f"{value:.{DIGITS}g}")
 
     def _point(self, value: Any) -> dict[str, Any]:
+        if len(self.keys) > 1 and isinstance(value, Mapping):
+            return {key: value[key] for key in self.keys if key in value}
         return dict(zip(self.keys, value if len(self.keys) > 1 else (value,), strict=False))
 
     def drawn(self, share: float) -> dict[str, Any]:
@@ -94,8 +109,10 @@ class Axis(Part):
         return self._point(self.at(share))
 
 
-def _at_most(value: Any, count: int) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, str) and 1 <= len(value) <= count
+def _fits(value: Any, keys: Sequence[str]) -> bool:
+    if isinstance(value, Mapping):
+        return bool(value) and set(value) <= set(keys)
+    return isinstance(value, Sequence) and not isinstance(value, str) and 1 <= len(value) <= len(keys)
 
 
 def points(axes: Sequence[Axis], combine: Combine, samples: int | None) -> list[dict[str, Any]]:

@@ -55,8 +55,8 @@ def _print_cells(report: Report, out: Console) -> None:
     """Print all cells; a file is as wide as it takes."""
     named = report.study.tables is not None
     if not out.is_terminal:
-        out.width = max(out.width, _width(cell_table(report.rows, report.keys, report.study.measures, named), out))
-    table = fitting(report.rows, report.keys, report.study.measures, named, out)
+        out.width = max(out.width, _width(cell_table(report.rows, report.shown, report.study.measures, named), out))
+    table = fitting(report.rows, report.shown, report.study.measures, named, out)
     table.title = _heading(report.study.title, report.study.source)
     out.print(table)
 

@@ -14,7 +14,7 @@ from tiswarm.scenario.measures import COUNTED, MEASURED
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.parts import Part, Positive
 from tiswarm.scenario.presets import MOST_TOML, load, preset_folder, read_toml, study_names
-from tiswarm.studies.axes import Axis, Combine, Whole, label, points
+from tiswarm.studies.axes import NAME, Axis, Combine, Whole, label, points
 from tiswarm.system.files import read_bounded
 from tiswarm.system.words import did_you_mean
 
@@ -50,6 +50,11 @@ class Design(Part):
     def keys(self) -> tuple[str, ...]:
         """List the keys of the axes."""
         return tuple(key for axis in self.axes for key in axis.keys)
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """List the keys of the axes that tables show."""
+        return tuple(key for axis in self.axes for key in axis.shown)
 
 
 class Table(Design):
@@ -144,7 +149,7 @@ class Cell:
     @property
     def row(self) -> str:
         """Name the cell within its table."""
-        return "/".join(label(value) for value in self.point.values())
+        return "/".join(label(self.point[key]) for key in self.table.shown if key in self.point)
 
 
 def find_study(name: str) -> Path:
@@ -178,6 +183,7 @@ def cells(name: str, study: Study, seed: int, overrides: Mapping[str, Any] | Non
             if len(found) == MOST_CELLS:
                 raise ScenarioError(f"axes: more than {MOST_CELLS:,} cells; use fewer values or a Latin hypercube")
             settings = {**study.set, **table.set, **(overrides or {}), **point}
+            settings.pop(NAME, None)
             base = str(settings.pop("base", table.base))
             if base not in bases:
                 bases[base] = load(str(find_study(name).parent / base) if base.endswith(".toml") else base)

@@ -106,6 +106,11 @@ class Report:
         """List the keys of all axes, in their order."""
         return list(dict.fromkeys(key for row in self.rows for key in row.cell.table.keys))
 
+    @property
+    def shown(self) -> list[str]:
+        """List those that a table on the terminal shows."""
+        return list(dict.fromkeys(key for row in self.rows for key in row.cell.table.shown))
+
     def z_summary(self, measures: tuple[str, ...] | None = None) -> tuple[float, float]:
         """Give the root mean square and the largest |z| over all rows and the given measures, all when None."""
         z = np.array([row.z(measure) for row in self.rows for measure in measures or self.study.measures])
