@@ -1,9 +1,8 @@
 """Model: what a trial is made of, loaded from a preset or a file, overridden, checked, with clear errors."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from hashlib import sha256
-from math import ceil
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -30,6 +29,7 @@ from tiswarm.scenario.parts import (
     plain,
 )
 from tiswarm.scenario.picture import card_of
+from tiswarm.scenario.planning import Planning
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
@@ -219,19 +219,6 @@ class Measures(Part):
     window: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 40
     within: Positive = 4.0  # m, see `window`
     path: Positive = 20.0  # m, see `window`
-
-
-class Planning(Part):
-    """Ways to the target around obstacles, where `prey.goal_by` is "path"."""
-
-    # Whether each prey knows the way from wherever it is, or keeps to the list of points that it made at its start.
-    plan: Literal["field", "list"] = "field"
-    cell: Positive = 1.0  # side of a cell of the grid that ways are found on [m]
-    clearance: NotNegative = 1.0  # cells nearer to an obstacle's edge are blocked [m]
-
-    def cells(self, size: Sequence[float]) -> tuple[int, int]:
-        """Count the cells along both sides of a flat world."""
-        return ceil(size[0] / self.cell), ceil(size[1] / self.cell)
 
 
 class Showcase(Part):
