@@ -39,6 +39,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     kicking = [p for p in strategies if p.strategy.dice]
     remembering = [p for p in strategies if "remember" in p.own]
     starting = [p for p in strategies if "start" in p.own]
+    urging = [p for p in strategies if "urge" in p.own]
     pursuits = layout.parts("predators", "strategy")
     consults, goals = networks.build(layout, see, senses), planning.build(layout, types, see)
     led = any(p.part in consults for p in strategies)
@@ -66,6 +67,14 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
             p.strategy.remember(memory, me, prey[a + rows.seen], swarm_seen, see.weights_of(p, numbers, b))
             for k in ti.static(range(len(p.memory))):
                 prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
+
+    @ti.func
+    def keep(p: ti.template(), prey: ti.template(), a, course: ti.template(), notes: ti.template(), weights):
+        """Let a strategy keep in an agent's memory what it noted in this move."""
+        memory = memory_of(p, prey, a)
+        p.strategy.keep(memory, course, notes, weights)
+        for k in ti.static(range(len(p.memory))):
+            prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
 
     @ti.func
     def note(agents: ti.template(), a, kind: ti.template(), term: ti.template(), course: ti.template()):
@@ -179,6 +188,8 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
                 steer = p.strategy.steer(me, threat, swarm, notes[j], memory_of(p, prey, a), weights)
                 for k in ti.static(range(dim)):
                     course[k] += timed(weights.on * steer[k], numbers, b)
+            if ti.static("keep" in p.own):
+                keep(p, prey, a, course, notes[j], weights)
             note(prey, a, "prey", p.part.name, course)
 
     @ti.func
@@ -211,6 +222,9 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         course = pulled(prey, a, here, "prey", me, numbers, b)
         if ti.static(frame.targeted):
             way = goals.way(here, prey, a, me, target, numbers, b)
+            for p in ti.static(urging):
+                weights = see.weights_of(p, numbers, b)
+                orders[0] = orders[0] * ti.select(weights.on > 0.5, p.strategy.urge(me, weights), 1.0)
             for k in ti.static(range(dim)):
                 course[k] += timed(orders[0] * way[k], numbers, b)
         note(prey, a, "prey", "goal", course)

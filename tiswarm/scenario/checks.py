@@ -31,6 +31,7 @@ def check(scenario: "Scenario") -> None:
         _check_flat(kind, agents, dim)
         _check_whole(kind, agents)
         _check_needed(kind, agents)
+        _check_most(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
         if agents.min_speed > agents.max_speed:
@@ -134,6 +135,14 @@ def _check_needed(kind: registry.Kind, agents: "Agents") -> None:
             if agents.weights[key] and agents.weights[other] != word:
                 told = f"needs {kind}.weights.{other} = '{word}', not '{agents.weights[other]}'; set it, or {key} to 0"
                 raise ScenarioError(f"{kind}.weights.{key}: {told}")
+
+
+def _check_most(kind: registry.Kind, agents: "Agents") -> None:
+    """Refuse more agents than a strategy works for."""
+    for part in registry.parts(kind, agents.strategy):
+        most = getattr(registry.load(kind, part), "most", 0)
+        if most and agents.count > most:
+            raise ScenarioError(f"{kind}.count: '{part}' works for {most} agents at most; lower it, or use another strategy")
 
 
 def _vectors(scenario: "Scenario") -> list[tuple[str, tuple[float, ...]]]:

@@ -23,6 +23,7 @@ class Prey:
     feels: whether `observe` is told of mates within the scenario's spacing where prey.field_of_view or nearest would hide them.
     watches: whether `threat` is needed (it costs a loop over the predators).
     leads: whether `observe` needs agents 1 and 2.
+    most: how many agents it works for at most, 0 for any number.
     dice: whether `kick` needs two random numbers a tick.
     networked: whether a network, the file that the weight `network` names, sets gains or velocity by what is noted.
     """
@@ -38,6 +39,7 @@ class Prey:
     feels: bool = False
     watches: bool = False
     leads: bool = False
+    most: int = 0
     dice: bool = False
     networked: bool = False
 
@@ -101,6 +103,12 @@ class Prey:
 
     @staticmethod
     @ti.func
+    def urge(me, weights):
+        """Give the share of the pull to the target that an agent heeds."""
+        return 1.0
+
+    @staticmethod
+    @ti.func
     def steer(me, threat, swarm, notes, memory, weights):
         """Give what is added to the velocity, one number an axis."""
         return scaled(motion(me), 0.0)
@@ -122,6 +130,14 @@ class Prey:
         dice: a, b, uniform in [0, 1), others each tick.
         """
         return plus(motion(me), push)
+
+    @staticmethod
+    @ti.func
+    def keep(memory: ti.template(), course, notes, weights):
+        """Keep in the memory what was noted in this move; course: the velocity after it, before the cap.
+
+        Mates must not heed what changes here: some have moved already, others have not.
+        """
 
     @staticmethod
     @ti.func
