@@ -8,6 +8,7 @@ from render.scene.camera import Camera
 from render.scene.coverage import Coverage
 from render.scene.density import Density
 from render.scene.snapshot import Snapshot
+from render.scene.springs import Springs, sprung
 from render.scene.trajectories import Trajectories
 from render.theme import Theme
 from tiswarm.space.sight import in_view, nearest_of
@@ -28,6 +29,8 @@ class Overlays:
         self.coverage = Coverage(paths, theme) if "coverage" in names else None
         self._density = Density(paths, theme, lone, atlas) if "density" in names else None
         scenarios = [subject.scenario for subject in paths.subjects]
+        linked = {n for n, scenario in enumerate(scenarios) if sprung(scenario)} if "links" in names else set()
+        self._springs = {scene: Springs(paths, scene, theme) for scene in linked}
         sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
         self._sight = sights[paths.scene, paths.is_prey.astype(int)]
         flat = np.array([scenario.world.dim == 2 for scenario in scenarios])
@@ -78,7 +81,10 @@ class Overlays:
         return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
 
     def _links(self, here: Snapshot, camera: Camera) -> np.ndarray:
-        """Join prey that heed each other as neighbours: in view, within perception, among the nearest, of one sub-swarm."""
+        """Join prey that heed each other as neighbours: in view, within perception, among the nearest, of one sub-swarm.
+
+        Or those that a spring links, in the colour of its tension.
+        """
         paths, rows = self._paths, [NONE]
         group = paths.groups(here.time)
         hue, thick = mixed(colour(self._theme.prey[0]), self._theme["ink"], 0.3), 0.7 * self._unit
@@ -93,11 +99,14 @@ class Overlays:
             prey_rules = paths.subjects[scene].scenario.prey
             counts = (apart < sight) & (group[flock][:, None] == group[flock][None]) & ~np.eye(len(flock), dtype=bool)
             counts &= in_view(steps, paths.speeds(here.time, flock), prey_rules.field_of_view)
-            a, b = nearest_of(apart, counts, prey_rules.nearest).nonzero()
+            springs = self._springs.get(scene)
+            chosen = springs.linked(flock) if springs else nearest_of(apart, counts, prey_rules.nearest)
+            a, b = chosen.nonzero()
+            hues, alpha = (springs.hues(apart[a, b]), 0.8) if springs else (hue, 0.08 + 0.5 * (1 - apart[a, b] / sight))
             own, step = camera.of(flock[a]), steps[a, b]
             # Across an edge of a periodic world each of the two draws its own half of the way, and no more.
             start = own.place(spots[a])
             middle = own.place(spots[a] + step / 2)
-            links = capsules(start, middle, thick, thick, hue, 0.08 + 0.5 * (1 - apart[a, b] / sight))
+            links = capsules(start, middle, thick, thick, hues, alpha)
             rows.append(self._cut(links, flock[a]))
         return np.concatenate(rows)

@@ -110,6 +110,11 @@ class Trajectories:
         return len(self._knots) > 0
 
     @property
+    def newest(self) -> np.ndarray:
+        """Give the states of the newest tick that is loaded, as CALM, ALARMED, ...: [agent]."""
+        return self._state
+
+    @property
     def last(self) -> int:
         """Give the last tick of all; of a simulation that still runs, the last that it may reach."""
         return int(self.ticks.max())

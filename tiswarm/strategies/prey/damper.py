@@ -15,7 +15,7 @@ BITS = 24
 class Strategy(Prey):
     """Lupau 2022, equations 1 and 2 (after Wiech, Eremeyev and Giorgio 2018): m a = Σ (k (l - l₀) + c dl/dt) e.
 
-    Over the links of an agent, l long, along e: to all mates nearer than `reach` l₀, anew each tick, until the agent is slower
+    Over the links of an agent, l long, along e: to all mates nearer than `span` l₀, anew each tick, until the agent is slower
     than `freeze`; then it keeps those it has, however long they become, while both are there. thesis: a second-order system.
     program: the thesis's own program sets v = F / m afresh each tick, and its damper pulls by |dl/dt|, whatever the sign.
     """
@@ -36,13 +36,13 @@ class Strategy(Prey):
         damping: float = 2.0  # c [N s/m]
         mass: float = 10.0  # m [kg]
         length: float = 8.0  # l₀, of a spring at rest [m]
-        reach: float = 1.2  # up to how many times l₀ mates are linked
+        span: float = 1.2  # up to how many times l₀ mates are linked
         freeze: float = 0.001  # an agent slower than this keeps its links [m/s]; 0: never
         leader: Literal["none", "first"] = "none"  # who heeds prey.goal: all, or the first agent alone, once its links are kept
 
     @staticmethod
     def sight(weights, perception):
-        return (inf if weights["freeze"] else weights["reach"] * weights["length"]), 0.0
+        return (inf if weights["freeze"] else weights["span"] * weights["length"]), 0.0
 
     @staticmethod
     def states(memory, weights):
@@ -60,7 +60,7 @@ class Strategy(Prey):
         distance2 = dot(away, away)
         distance = ti.sqrt(safe(distance2))
         rate = dot(minus(motion(me), motion(mate)), away) / distance
-        longest = weights.reach * weights.length
+        longest = weights.span * weights.length
         low, high = bits_of(mate.number - 1.0 + 0.0 * me.alive)
         kept = held(me.links_low, low) + held(me.links_high, high)
         near = ti.select(distance2 < longest * longest, 1.0, 0.0)
