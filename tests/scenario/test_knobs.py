@@ -70,6 +70,11 @@ def test_menus_offer_what_works_in_such_a_world():
     assert flat["prey.strategy"].names["evasive"].startswith("Evasive")
 
 
+def test_a_target_that_ways_are_planned_to_moves_with_a_new_trial():
+    assert by_path(tiswarm.load("delft/planned-10"))["target.position.0"].anew
+    assert not by_path(tiswarm.load("delft/avoidance-10"))["target.position.0"].anew
+
+
 def test_whoever_is_not_there_has_no_knobs():
     found = by_path(tiswarm.load("delft/avoidance-10", {"predators.count": 0, "target.present": False}))
     assert "predators.count" in found

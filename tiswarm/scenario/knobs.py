@@ -115,7 +115,8 @@ def _place(scenario: Scenario, axis: int) -> Knob:
     """Give one coordinate of the target."""
     path, value, side = f"target.position.{axis}", scenario.target.position[axis], scenario.world.size[axis]
     words, step = WORDS[path], _round(side / STEPS)
-    return Knob(path, "world", "", f"target {'xy'[axis]}", value, words, "m", min(0.0, value), max(side, value), step)
+    low, high, planned = min(0.0, value), max(side, value), scenario.prey.goal_by == "path"
+    return Knob(path, "world", "", f"target {'xy'[axis]}", value, words, "m", low, high, step, anew=planned)
 
 
 def _menus(scenario: Scenario, side: registry.Side) -> list[Knob]:
