@@ -77,7 +77,7 @@ class Session:
         }
         self._tell_knobs()
         self._tell_state()
-        self._table.settle(self.scenario, self._seed)
+        self._table.settle(self.scenario, self._seed, self._serial)
 
     def close(self) -> None:
         """End all processes."""
@@ -138,7 +138,7 @@ class Session:
     def _changed(self) -> None:
         """Note that from here on trials are others."""
         self._serial += 1
-        self._table.settle(self.scenario, self._seed)
+        self._table.settle(self.scenario, self._seed, self._serial)
 
     def _play(self, message: dict[str, Any]) -> None:
         self._playing = bool(message.get("on"))

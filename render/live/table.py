@@ -27,18 +27,31 @@ class Table:
         self._rows: dict[str, Any] = {}
         self._before: dict[str, Any] = {}
         self._watched: list[list[float]] = []
+        self._serial = 0
 
     def close(self) -> None:
         """Ask nothing more."""
         if self._timer is not None:
             self._timer.cancel()
 
-    def settle(self, scenario: tiswarm.Scenario, seed: int) -> None:
-        """Run trials of another scenario once its numbers have come to rest."""
+    def settle(self, scenario: tiswarm.Scenario, seed: int, serial: int) -> None:
+        """Run trials of another scenario once its numbers have come to rest; what was said so far is of before at once.
+
+        serial: of the change, which the readers are told, too.
+        """
         self._watched.clear()
-        if self._timer is not None:
-            self._timer.cancel()
-        self._timer = self._loop.call_later(CALM, self._ask, scenario, seed)
+        self._serial = serial
+        asked = trials.Asked(self._asked.number + 1, trials.measured(scenario).to_json(), seed)
+        if (asked.scenario, asked.seed) != (self._asked.scenario, self._asked.seed):  # else the same trials are watched again
+            if self._rows.get("trials") == trials.SIZES[-1]:
+                self._before = self._rows
+            self._asked = asked
+            self.close()
+            refused = trials.refused(scenario)
+            self._rows = {"refused": refused} if refused else {}
+            if not refused:
+                self._timer = self._loop.call_later(CALM, self.worker.send, "ask", asked)
+        self._show()
 
     def count(self, counts: Sequence[int], seconds: float) -> None:
         """Note how a trial that was watched came out. counts: prey of each fate; seconds: how long it ran."""
@@ -48,29 +61,17 @@ class Table:
 
     def estimated(self, name: str, said: Sequence[Any]) -> None:
         """Hear the process: an estimate, or why there is none."""
+        if name in ("trials", "untried") and said[0] != self._asked.number:
+            return
         if name == "trials":
-            asked, count, rows, seconds = said
-            if asked != self._asked.number:
-                return
+            _, count, rows, seconds = said
             self._rows = {"trials": count, "rows": rows, "seconds": seconds}
         else:
             self._rows = {"refused": str(said[-1]) if said else "the process that runs trials has ended"}
-        self._show()
-
-    def _ask(self, scenario: tiswarm.Scenario, seed: int) -> None:
-        asked = trials.Asked(self._asked.number + 1, trials.measured(scenario).to_json(), seed)
-        if (asked.scenario, asked.seed) != (self._asked.scenario, self._asked.seed):  # else the same trials are watched again
-            if self._rows.get("trials") == trials.SIZES[-1]:
-                self._before = self._rows
-            self._asked = asked
-            refused = trials.refused(scenario)
-            self._rows = {"refused": refused} if refused else {}
-            if not refused:
-                self.worker.send("ask", asked)
         self._show()
 
     def _show(self) -> None:
         names = ("success", "captured", "crashed", "time")
         rows = dict(zip(names, map(trials.row, np.array(self._watched).T), strict=True)) if self._watched else {}
         watched = {"trials": len(self._watched), "rows": rows}
-        self._tell("trials", {"now": self._rows, "before": self._before, "watched": watched})
+        self._tell("trials", {"serial": self._serial, "now": self._rows, "before": self._before, "watched": watched})

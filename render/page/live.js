@@ -30,6 +30,8 @@ class LivePage {
     /** The last change whose frame was drawn. */
     this.heard = -1;
     this.serial = 0;
+    /** The change whose outcomes are shown. */
+    this.settled = -1;
     this.noted = 0;
     /** @type {Record<string, any>} */
     this.state = {};
@@ -62,7 +64,7 @@ class LivePage {
     else if (message.kind === "knobs") this.desk.fill(message.knobs);
     else if (message.kind === "values") this._values(message);
     else if (message.kind === "state") this._state(message);
-    else if (message.kind === "trials") showOutcomes(/** @type {any} */ (message));
+    else if (message.kind === "trials") this._outcomes(/** @type {any} */ (message));
     else if (message.kind === "note") {
       this.note(message.words);
       if (message.wrong) this.desk.show(this.values, true);
@@ -81,6 +83,12 @@ class LivePage {
     Object.assign(header.predators, sizes.predators);
     if (header.target && target && !this.player?.stage.hand?.busy) header.target.position = target;
     if (this.player) this.player.stage.stale = true;
+  }
+
+  /** @param {{serial: number} & Parameters<typeof showOutcomes>[0]} told */
+  _outcomes(told) {
+    this.settled = told.serial;
+    showOutcomes(told);
   }
 
   /** @param {Record<string, any>} state */

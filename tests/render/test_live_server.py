@@ -79,8 +79,8 @@ def test_a_thousand_trials_tell_what_a_batch_tells(live, scenario, f32):
         await reader.until(lambda r: r.known.get("state", {}).get("seed") == 5)
         await reader.say(act="set", path="predators.max_speed", value=0.25)
         await reader.until(lambda r: r.known["values"]["values"]["predators.max_speed"] == 0.25)
-        await reader.until(lambda r: not r.known["trials"]["now"])  # asked anew
-        await reader.until(lambda r: r.known["trials"]["now"].get("trials") == 1000)
+        serial = reader.known["values"]["serial"]
+        await reader.until(lambda r: r.known["trials"]["serial"] == serial and r.known["trials"]["now"].get("trials") == 1000)
         return reader.known["trials"]
 
     told = live.read(deed)
