@@ -7,7 +7,7 @@ import numpy as np
 
 from tiswarm.cli.options import WrongInput
 from tiswarm.records.results import Z95
-from tiswarm.studies.axes import label
+from tiswarm.studies.axes import NAME, label
 from tiswarm.studies.design import Figure
 from tiswarm.studies.payoffs import SHOWN, Contest
 from tiswarm.studies.report import Report, Row, figures_of
@@ -73,7 +73,7 @@ def _heat(report: Report, rows: list[Row], folder: Path) -> None:
         raise WrongInput(f"--figures heat: {table.name} is no grid of two axes or more; draw bars, pairs or scatter")
     shape = (-1, len(stops[-2]), len(stops[-1]))
     names = [["/".join(stop) for stop in each] for each in stops]
-    heads = [" / ".join(axis.shown) for axis in table.axes]
+    heads = [" / ".join(key for key in axis.shown if key != NAME) for axis in table.axes]
     titles = [", ".join(f"{head} {name}" for head, name in zip(heads[:-2], row, strict=True)) for row in _product(names[:-2])]
     for measure in report.study.measures:
         mean, low, high = (each.reshape(shape) for each in _ends(rows, measure))
