@@ -7,8 +7,9 @@ import numpy as np
 from render.captions.caption import Caption, pixels
 from render.captions.layout import Box
 from render.raster.glyphs import Atlas, width, wrapped
-from render.raster.shapes import NONE, Colour, boxes, colour, discs
+from render.raster.shapes import NONE, Colour, boxes, colour
 from render.scene.scene import Scene
+from render.scene.signs import signs
 from render.scene.trajectories import ARRIVED, CAPTURED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
@@ -17,16 +18,19 @@ EDGE, HEAD, FOOT, LABEL, GAP = 28, 62, 40, 28, 4
 """Rims of the frame, and room for labels [units of type]."""
 
 PIPS = 12
-"""More prey than this are counted in words instead of dots."""
+"""More prey than this are counted in words instead of signs."""
+
+SIGN = 4.2
+"""Half the width of a sign [units of type]."""
 
 PIP, PIPS_ACROSS = 11, 3
-"""Distance of dots [units of type], and how many stand in a row beside a world."""
+"""Distance of signs [units of type], and how many stand in a row beside a world."""
 
 ASIDE = 10
 """Gap between a world and captions beside it [units of type]."""
 
 RANKS = ("arrived", "alive", "captured", "crashed")
-"""The order of the dots, from the right."""
+"""The order of the signs, from the right."""
 
 
 def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
@@ -144,7 +148,7 @@ class Mosaic(Caption):
         return width("0000 arrived · 0000 dead", self._px(12)) + 10 * self._unit
 
     def _tally(self, n: int, time: float) -> np.ndarray:
-        """Show the fates of a subject's prey: a dot for each, the arrived first, the dead last, or words when they are many."""
+        """Show the fates of a subject's prey: signs, the arrived first, the dead last, or words for many."""
         paths, prey, place = self._scene.paths, self._prey[n], self._places[n]
         fates = np.where(paths.end[prey] <= time, paths.fate[prey], 0)
         base = place.top - 9 * self._unit
@@ -158,8 +162,7 @@ class Mosaic(Caption):
                 lines = [(word, place.left - self._aside, top, 12, "quiet") for word, top in zip(words, tops, strict=True)]
                 return np.concatenate([self._write(*line, tabular=True) for line in lines])
             return self._write(" · ".join(words), place.right, base, 12, "quiet", "right", tabular=True)
-        ranked = sorted((RANKS.index(FATES[fate]) for fate in fates), reverse=True)
-        paints = [colour(self._theme.prey[0]) if RANKS[n] == "alive" else self._theme[RANKS[n]] for n in ranked]
+        ranked = np.sort([RANKS.index(FATES[fate]) for fate in fates])[::-1]
         step = PIP * self._unit
         if self._aside:
             ranked_rows = np.divmod(np.arange(len(ranked))[::-1], PIPS_ACROSS)
@@ -167,7 +170,8 @@ class Mosaic(Caption):
             centres = [(start[0] + column * step, start[1] + row * step) for row, column in zip(*ranked_rows, strict=True)]
         else:
             centres = [(place.right - step * (n + 0.5), base - 4.5 * self._unit) for n in range(len(ranked))]
-        return discs(np.array(centres).reshape(-1, 2), 3.6 * self._unit, np.array(paints).reshape(-1, 3))
+        spots, size = np.array(centres).reshape(-1, 2), SIGN * self._unit
+        return np.concatenate([signs(FATES.index(name), spots[ranked == n], size, self._theme) for n, name in enumerate(RANKS)])
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         left, right, y, half = EDGE * self._unit, self._size[0] - EDGE * self._unit, self._size[1] - 18 * self._unit, self._unit

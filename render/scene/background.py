@@ -57,7 +57,7 @@ def ground(
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
             *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
-            _obstacles(subject, theme, camera, lone=len(cameras) == 1),
+            _obstacles(subject, theme, unit, camera, lone=len(cameras) == 1),
             _arrows(field, theme, unit, camera) if field else NONE,
         ]
     return np.concatenate(rows)
@@ -94,12 +94,12 @@ def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: 
         return [
             rings(middle, radius, 4 * unit, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit),
             rings(middle, radius + half, 2 * half, theme["obstacle"]),
-            rings(middle, radius + half, 1.2 * unit, theme["obstacle_light"], 0.9),
+            rings(middle, radius + half, 1.2 * unit, theme["obstacle_edge"]),
         ]
     return [
         boxes(low, high, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit, stroke=2 * unit),
         boxes(low - half, high + half, theme["obstacle"], corner=2 * half, stroke=half),
-        boxes(low - half, high + half, theme["obstacle_light"], 0.9, corner=2 * half, stroke=0.6 * unit),
+        boxes(low - half, high + half, theme["obstacle_edge"], corner=2 * half, stroke=0.6 * unit),
     ]
 
 
@@ -190,29 +190,32 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
     near = camera.nearness(spots)
     centre, radius = camera.place(spots), radii * camera.scale * near
     haze = Orbit.haze(near)
-    body, light = (
-        np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze for name in ("obstacle", "obstacle_light")
+    body, light, edge = (
+        np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze
+        for name in ("obstacle", "obstacle_light", "obstacle_edge")
     )
     aside = radius[:, None] * (1.0, 1.0)
     rows = [
         discs(centre, radius, body * 0.75),
         discs(centre - aside * 0.06, radius * 0.86, body, soft=np.maximum(radius * 0.3, 1)),
         discs(centre - aside * 0.3, radius * 0.3, light, 0.8, soft=np.maximum(radius * 0.8, 1)),
+        rings(centre, radius * 0.985, np.maximum(radius * 0.03, 1.2), edge),
     ]
     return np.concatenate(rows), np.tile(near, len(rows))
 
 
 def _area(area, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
     """Tint an area and name it once, in its upper left corner."""
-    words = area.label.lower()
-    hue = theme["danger" if "danger" in words else "safe" if "safe" in words else "line"]
+    meant = area.label.lower()
+    name = "danger" if "danger" in meant else "safe" if "safe" in meant else "line"
     low, high = _corners(area.region.low, area.region.high, camera)
-    tint = boxes(low, high, hue, theme.tint_alpha)
+    tint = boxes(low, high, theme[name], theme.tint_alpha)
     size, inset = round(11 * unit), 12 * unit
     if size < 7:  # too small to read: the tint alone has to do
         return tint
     spot = low[0] + inset, low[1] + inset + size * 0.75
-    return np.concatenate([tint, atlas.line(area.label.upper(), spot, size, hue, 0.75, spacing=max(round(size * 0.12), 1))])
+    words, spacing = area.label.upper(), max(round(size * 0.12), 1)
+    return np.concatenate([tint, atlas.line(words, spot, size, theme.label(name), spacing=spacing)])
 
 
 def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -250,7 +253,7 @@ def _target(target, subject: Recording | Live, theme: Theme, unit: float, camera
     )
 
 
-def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera, *, lone: bool) -> np.ndarray:
+def _obstacles(subject: Recording | Live, theme: Theme, unit: float, camera: Camera, *, lone: bool) -> np.ndarray:
     """Shade obstacles like pebbles lit from the upper left. lone: no other camera shows their images."""
     if not len(subject.obstacle_radius):
         return NONE
@@ -265,6 +268,7 @@ def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera, *, lone:
             discs(centre, radius, mixed(theme["obstacle"], theme["shadow"], 0.25)),
             discs(centre - aside * 0.05, radius * 0.9, theme["obstacle"], soft=np.maximum(radius * 0.18, 1)),
             discs(centre - aside * 0.3, radius * 0.3, theme["obstacle_light"], 0.75, soft=np.maximum(radius * 0.7, 1)),
+            rings(centre, np.maximum(radius - 0.5 * unit, 0.5 * unit), 1.1 * unit, theme["obstacle_edge"]),
         ]
     )
 
