@@ -11,6 +11,7 @@ from render.scene.scene import Scene
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
 from render.source import target_of
 from tiswarm.records.recording import FATES, Recording
+from tiswarm.system.words import grouped
 
 
 class Caption:
@@ -49,7 +50,7 @@ class Counter:
 def counters(scene: Scene) -> list[Counter]:
     """List what is worth counting in a scene of one subject: only what can happen there."""
     subject, paths, theme = scene.subjects[0], scene.paths, scene.theme
-    hunters = paths.count - paths.prey
+    hunters, words = paths.count - paths.prey, subject.scenario.words
     deadly = len(subject.obstacle_radius) > 0 and subject.scenario.obstacles.contact == "crash"
     ends = {
         ARRIVED: target_of(subject) is not None,
@@ -66,25 +67,19 @@ def counters(scene: Scene) -> list[Counter]:
     found = [Counter(FATES[ALIVE], there(True), paths.prey, colour(theme.prey[0]))] if any(ends.values()) else []
     found += [Counter(FATES[fate], gone(fate), paths.prey, theme[FATES[fate]]) for fate, able in ends.items() if able]
     if hunters > 1:
-        found.append(Counter("predators", there(False), hunters, colour(theme.predator)))
+        name = words.noun("predators", hunters)
+        found.append(Counter(name, there(False), hunters, colour(theme.predator)))
     if coverage := scene.coverage:
-        found.append(Counter("cleaned", lambda time: round(100 * coverage.share(time)), 100, theme["arrived"], "%"))
+        found.append(Counter(words.covered, lambda time: round(100 * coverage.share(time)), 100, theme["arrived"], "%"))
     return found
-
-
-def spaced(number: int) -> str:
-    """Write a number with thin groups of thousands."""
-    return f"{number:,}".replace(",", " ")
 
 
 def introduced(scene: Scene) -> list[tuple[str, str, str, str]]:
     """Say who plays in a scene of one subject: kind, how many of them, strategy, avoidance ("" for none)."""
     scenario, paths, who = scene.subjects[0].scenario, scene.paths, []
-    for name, plural, count, agents in (
-        ("prey", "prey", paths.prey, scenario.prey),
-        ("predator", "predators", paths.count - paths.prey, scenario.predators),
-    ):
+    for kind, count in (("prey", paths.prey), ("predators", paths.count - paths.prey)):
+        agents = getattr(scenario, kind)
         if count:
             avoidance = "" if agents.avoidance == "none" else agents.avoidance
-            who.append((name, f"{spaced(count)} {name if count == 1 else plural}", agents.strategy, avoidance))
+            who.append((kind, f"{grouped(count)} {scenario.words.noun(kind, count)}", agents.strategy, avoidance))
     return who

@@ -35,8 +35,9 @@ RANKS = ("arrived", "alive", "captured", "crashed")
 
 def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
     """Name recordings by what tells them apart: strategies, else seed and trial."""
+    roles = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
     ways = [
-        (r.scenario.prey.strategy, r.scenario.prey.avoidance, r.scenario.predators.strategy, r.scenario.predators.avoidance)
+        [getattr(getattr(r.scenario, kind), role) if getattr(r.scenario, kind).count else "none" for kind, role in roles]
         for r in recordings
     ]
     differing = [n for n in range(4) if len({way[n] for way in ways}) > 1]

@@ -4,11 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from render.captions.caption import Caption, counters, introduced, spaced
+from render.captions.caption import Caption, counters, introduced
 from render.captions.layout import ROW, Box, Layout
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import Colour, boxes, capsules, colour, darts
 from render.scene.scene import Scene
+from tiswarm.system.words import grouped
 
 INSET = 28
 COLUMNS = {"side": (1.0,), "stack": (1.0,), "pair": (0.5, 0.5)}
@@ -115,7 +116,7 @@ class Panel(Caption):
         if numbers != self._counted:
             rows = []
             for n, (counter, number) in enumerate(zip(self._counters, numbers, strict=True)):
-                rows.append(self._number(n, spaced(number) + counter.unit, "ink" if number else "quiet"))
+                rows.append(self._number(n, grouped(number) + counter.unit, "ink" if number else "quiet"))
                 if number:
                     rows.append(self._bar(n, number / counter.total, counter.paint, 0.95))
             self._counted, self._counter_rows = numbers, rows

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from render.captions.caption import introduced, spaced
+from render.captions.caption import introduced
 from render.captions.layout import Box
 from render.captions.panel import INSET, Panel
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
+from tiswarm.system.words import grouped
 
 LINE, TOP = 5, 24
 """How far below the stage the progress line runs, and the words begin."""
@@ -30,7 +31,7 @@ class Strip(Panel):
     def _place(self, box: Box) -> None:
         unit = self._unit
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        longest = [spaced(counter.total) + counter.unit for counter in self._counters]
+        longest = [grouped(counter.total) + counter.unit for counter in self._counters]
         widths = [width(each, self._px(DIGITS), tabular=True) / unit for each in longest]
         self._column = max(COLUMN, *widths) if widths else COLUMN
         wide = len(self._counters) * (self._column + GAP) - GAP
