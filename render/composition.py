@@ -6,19 +6,20 @@ from dataclasses import replace
 import numpy as np
 
 from render.captions.caption import counters
-from render.captions.layout import Box, layout
-from render.captions.mosaic import Mosaic, beside, cells, labels_of
+from render.captions.layout import Box, layout, unit_of
+from render.captions.mosaic import Heading, Mosaic, cells, labels_of
 from render.captions.panel import Panel
-from render.captions.strip import Strip
+from render.captions.strip import Strip, height_of
 from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW
 from render.scene import background
 from render.scene.background import Field
 from render.scene.camera import Camera, Orbit, joint
-from render.scene.rigs import Rig, View, apparent, bounds, fitted, heights, rig
+from render.scene.rigs import Rig, View, apparent, bounds, heights, rig
 from render.scene.scene import Scene
-from render.source import Live, is_sky
+from render.scene.turned import gains, turned, turned_field
+from render.source import Live
 from render.style import Look
 from render.timeline import Rate, length, times
 from tiswarm.records.recording import Recording
@@ -27,7 +28,7 @@ from tiswarm.space import box
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
 
-STRAY, STRAY_TOGETHER = 0.5, 0.04
+STRAY, STRAY_TOGETHER = 0.2, 0.02
 """How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared.
 
 Starts are always shown."""
@@ -65,11 +66,15 @@ class Composition:
         self.is_live = not all(isinstance(each, Recording) for each in subjects)
         if look.slow and self.is_live:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
+        upright = look.camera == "fit" and gains(size, subjects)
+        if upright:
+            field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
+            subjects = [turned(each) for each in subjects]
         self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
         self._atlas = Atlas(look.colours.type_weight)
         self.caption: Panel | Mosaic | None = None
         if isinstance(subject, Recording | Live):
-            self._single(subject, size)
+            self._single(subjects[0], size)
         else:
             self._several(subjects, size, labels or labels_of(subjects))
         self._still = all(each.still for each in self.rigs)
@@ -130,10 +135,10 @@ class Composition:
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             window = len(self.boxes) + n
             images = self._images(subject, held, time, self._windows[window])
-            endless = len(images) > 1 or (not held.still and is_sky(subject) and not isinstance(images[0], Orbit))
-            box = self._windows[window] if endless else None
+            endless = not isinstance(images[0], Orbit) and subject.scenario.world.boundary == "open"
+            seen = self._windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
-            grounds.append(background.ground(subject, self._look.colours, self._atlas, unit, images, box, self._field))
+            grounds.append(background.ground(subject, self._look.colours, self._atlas, unit, images, seen, self._field))
             grounds[-1][:, WINDOW] = window
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
 
@@ -152,27 +157,23 @@ class Composition:
         return images
 
     def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
-        unit = layout(size, _extent(subject)).unit
-        self.scene = Scene([subject], self._look, unit, self._atlas)
-        view = self._view(STRAY)
-        plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
+        self.scene = Scene([subject], self._look, unit_of(size), self._atlas)
+        view, found = self._view(STRAY), counters(self.scene)
+        plan = layout(size, apparent(self.scene.paths, view), height_of(self.scene, found))
         self.boxes = [plan.stage]
         self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
-            self.caption = (Strip if plan.form == "strip" else Panel)(self.scene, plan, self._atlas)
+            self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found)
 
     def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
-        unit = min(size) / 720
-        aside = beside(subjects, labels, unit)
-        rough, _ = cells(size, len(subjects), _extent(subjects[0]), unit, aside)
+        unit = unit_of(size)
+        rough = cells(size, len(subjects), _extent(subjects[0]), 0.0)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
         self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
-        view = self._view(STRAY_TOGETHER)
-        self.boxes, left = cells(size, len(subjects), (view.reach.width, view.reach.height), unit, aside)
+        view, head = self._view(STRAY_TOGETHER), Heading(self.scene, size, unit)
+        self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), head.height)
         self.rigs = [rig(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
-        # Labels stand right beside what is drawn, which seldom fills its cell both ways.
-        shown = [_shown(view, box, left) for box in self.boxes]
-        self.caption = Mosaic(self.scene, shown, labels, size, self._atlas, unit, aside * left)
+        self.caption = Mosaic(self.scene, self.boxes, labels, head, self._atlas)
 
     def _view(self, stray: float) -> View:
         """Find the worlds of all subjects and whatever moves there."""
@@ -192,14 +193,3 @@ def _extent(subject: Recording | Live) -> tuple[float, float]:
 def _around(boxes: list[Box]) -> Box:
     """Give the box that holds all boxes."""
     return Box(min(b.left for b in boxes), min(b.top for b in boxes), max(b.right for b in boxes), max(b.bottom for b in boxes))
-
-
-def _shown(view: View, cell: Box, aside: bool) -> Box:
-    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached.
-
-    aside: the other way round, for captions that stand on its left instead of above it.
-    """
-    across, up = (view.reach, view.world) if aside else (view.world, view.reach)
-    ends = np.array([[across.left, up.top], [across.right, up.bottom]])
-    (left, bottom), (right, top) = fitted(view, cell).place(ends)
-    return Box(float(left), float(top), float(right), float(bottom))

@@ -1,117 +1,152 @@
-"""The caption of a wide world: a strip below the stage, in one line of sight."""
+"""The caption below the stage: in one line of sight where the frame is wide, else in rows."""
+
+from collections.abc import Callable
 
 import numpy as np
 
-from render.captions.caption import introduced
+from render.captions.caption import Counter, fitting, introduced, notes, pixels
 from render.captions.layout import Box
-from render.captions.panel import INSET, Panel
+from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
-from tiswarm.system.words import grouped
+from render.scene.scene import Scene
 
-LINE, TOP = 5, 24
-"""How far below the stage the progress line runs, and the words begin."""
+TITLES = (32, 28, 25, 22)
+NUMBER, NAME, WHO, CLOCK = 36, 17, 17, 50
+"""Sizes of words."""
 
-FOOT = 55
-"""Baseline of the last line of words, below the first one's top."""
+TOP, LEAST = 8, 96
+"""Room between the progress line and the words, and height of a caption at least."""
 
-COLUMN, GAP, CLOCK = 66, 16, 124
-"""Widths of a counter, at least, of the gaps between counters, and of the clock."""
+COLUMN, GAP, APART = 60, 22, 34
+"""Widths of a counter, at least, of the gap between two, and of the gap to what is beside them."""
 
-DIGITS = 22
-"""Size of the counters' numbers."""
+BLOCK = 82
+"""Height of a counter: number, name and bar."""
 
-APART = 44
-"""Gap between title, counters and clock."""
+ABREAST = 0.40
+"""The title needs this share of the width beside counters and clock; in narrower frames these stand in rows."""
 
 
 class Strip(Panel):
-    """Title and strategies on the left, counters in the middle, the clock on the right, under a thin progress line."""
+    """Title and who plays on the left, counters in the middle, the clock on the right; or one above the other."""
 
     def _place(self, box: Box) -> None:
         unit = self._unit
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        longest = [grouped(counter.total) + counter.unit for counter in self._counters]
-        widths = [width(each, self._px(DIGITS), tabular=True) / unit for each in longest]
-        self._column = max(COLUMN, *widths) if widths else COLUMN
-        wide = len(self._counters) * (self._column + GAP) - GAP
-        self._first = self._box.right - (CLOCK + APART + wide) * unit
-        room = int(self._first - APART * unit - self._box.left)
-        self._headed(room)
-        self._peopled(room)
-        self._counter_labels()
-        right, which = self._box.right, f"trial {self._subject.trial} · seed {self._subject.seed}"
-        self._still.append(self._write("s", right, self._box.top + 29 * unit, 16, "quiet", "right"))
-        self._still.append(self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"))
-
-    def _headed(self, room: int) -> None:
-        """Write the title on one line, or smaller on two, and the source behind it where there is room."""
-        scenario, unit = self._subject.scenario, self._unit
-        size, y, lines = 22, [23], wrapped(scenario.title, self._px(22), room, 1)
-        if lines[0].endswith("…"):
-            size, y, lines = 18, [12, 33], _evenly(scenario.title, self._px(18), room)
-        if len(lines) == 1:
-            y = [23]
-        for line, down in zip(lines, y, strict=True):
-            self._still.append(self._write(line, self._box.left, self._box.top + down * unit, size, "ink"))
-        start = width(lines[-1], self._px(size)) + 14 * unit
-        if scenario.source and start + width(scenario.source, self._px(12)) <= room:
-            base = self._box.top + y[-1] * unit
-            self._still.append(self._write(scenario.source, self._box.left + start, base, 12, "quiet"))
-
-    def _peopled(self, room: int) -> None:
-        """Write who plays, in as many words as there is room for."""
-        words = [
-            (name, who, [f"{strategy} · {avoidance}"] * bool(avoidance) + [strategy, ""])
-            for name, who, strategy, avoidance in introduced(self._scene)
-        ]
-        small, icon, gap = self._px(13), 26 * self._unit, 26 * self._unit
-        for short in range(3):
-            chosen = [(name, who, ways[min(short, len(ways) - 1)]) for name, who, ways in words]
-            widths = [icon + width(who, small) + 8 * self._unit + width(how, small) for _, who, how in chosen]
-            if sum(widths) + gap <= room:
-                break
-        x, base = self._box.left, self._box.top + FOOT * self._unit
-        for (name, who, how), wide in zip(chosen, widths, strict=True):
-            self._still.append(self._likeness(name, x + 9 * self._unit, base - 4.5 * self._unit, 0.85 * self._unit))
-            self._still.append(self._write(who, x + icon, base, 13, "ink"))
-            self._still.append(self._write(how, x + icon + width(who, small) + 8 * self._unit, base, 13, "quiet"))
-            x += wide + gap
-
-    def _counter_labels(self) -> None:
+        self._plan = plan = _Plan(self._scene, box.width, unit, self._counters)
+        spare = max(box.height - plan.height, 0.0)
+        if plan.abreast:
+            self._box = Box(self._box.left, self._box.top + spare / 2, self._box.right, self._box.bottom)
+        y = self._box.top
+        self._clock_base = y + 44 * unit
+        self._still.append(self._write("s", self._box.right, self._clock_base, 24, "quiet", "right"))
+        for line in plan.title:
+            y += plan.size * 1.12 * unit
+            self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
+        y += 5 * unit
+        for line in plan.notes:
+            y += 1.25 * NOTE * unit
+            self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
+        y += 4 * unit
+        for row in plan.people:
+            y += 1.35 * WHO * unit
+            x = self._box.left
+            for kind, who, how in row:
+                x = self._peopled_at(kind, who, how, x, y)
+        if plan.abreast:
+            self._numbers_top = self._box.top
+            self._first = self._box.right - plan.clock - APART * unit - plan.counters
+        else:
+            self._numbers_top = y + 10 * unit
+            self._first = self._box.left
         for n, counter in enumerate(self._counters):
-            self._still.append(self._write(counter.name, self._counter(n), self._box.top + 41 * self._unit, 13, "quiet"))
+            self._named(counter, self._column(n)[0], self._row(n) + 58 * unit)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
 
-    def _counter(self, n: int) -> float:
-        """Give the left edge of a counter."""
-        return self._first + n * (self._column + GAP) * self._unit
+    def _peopled_at(self, kind: str, who: str, how: str, x: float, base: float) -> float:
+        """Show who plays as it looks on the stage; give where the next one may stand."""
+        unit = self._unit
+        self._still.append(self._likeness(kind, x + 9 * unit, base - 5.5 * unit, 0.95 * unit))
+        x += 28 * unit
+        self._still.append(self._write(who, x, base, WHO, "ink"))
+        x += width(who, self._px(WHO)) + 9 * unit
+        self._still.append(self._write(how, x, base, HOW, "quiet"))
+        return x + width(how, self._px(HOW)) + 26 * unit
+
+    def _column(self, n: int) -> tuple[float, float]:
+        """Give the left edge and the width of a counter."""
+        wide = self._plan.columns
+        return self._first + n % self._plan.per_row * (wide + GAP * self._unit), wide
+
+    def _row(self, n: int) -> float:
+        return self._numbers_top + n // self._plan.per_row * BLOCK * self._unit
 
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        x, y, half = self._counter(row), self._box.top + 53 * self._unit, 1.75 * self._unit
-        return boxes((x, y - half), (x + share * self._column * self._unit, y + half), paint, alpha, corner=half)
+        (x, wide), y, half = self._column(row), self._row(row) + 70 * self._unit, 2 * self._unit
+        return boxes((x, y - half), (x + share * wide, y + half), paint, alpha, corner=half)
 
-    def _number(self, row: int, digits: str, paint: str) -> np.ndarray:
-        return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, DIGITS, paint, tabular=True)
+    def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
+        x, base, unit = self._column(row)[0], self._row(row) + 34 * self._unit, self._counters[row].unit
+        rows = [self._write(digits, x, base, NUMBER, paint, tabular=True)]
+        if unit:
+            end = x + width(digits, self._px(NUMBER), tabular=True) + 5 * self._unit
+            rows.append(self._write(unit, end, base, UNIT, "quiet"))
+        return rows
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        digits = f"{min(time, self._scene.paths.last) * self._subject.scenario.world.dt:.1f}"
-        end = self._box.right - width("s", self._px(16)) - 5 * self._unit
-        return [self._write(digits, end, self._box.top + 29 * self._unit, 38, "ink", "right", tabular=True)]
+        end = self._box.right - width("s", self._px(24)) - 6 * self._unit
+        return [self._write(clocked(self._scene, time), end, self._clock_base, CLOCK, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        y, half = self._box.top - (TOP - LINE) * self._unit, self._unit
-        end = self._box.left + self._box.width * share
-        return boxes((self._box.left, y - half), (end, y + half), paint, alpha, corner=half)
+        """Draw the line between stage and caption."""
+        top, half = self._panel.top, 1.5 * self._unit
+        return boxes((0.0, top), (self._panel.width * share, top + 2 * half), paint, alpha)
 
 
-def _evenly(title: str, size: int, room: int) -> list[str]:
-    """Break a title into two lines of about the same length, so that no word stands alone."""
-    lines = wrapped(title, size, room, 2)
-    if len(lines) < 2 or lines[1].endswith("…"):
-        return lines
-    for narrow in range(room // 2, room, max(room // 40, 1)):
-        even = wrapped(title, size, narrow, 2)
-        if len(even) == 2 and not any(line.endswith("…") for line in even):
-            return even
-    return lines
+class _Plan:
+    """What a strip of some width says, in how many lines, and how high it becomes."""
+
+    def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter]):
+        room = wide - 2 * INSET * unit
+        sizes = (pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit))
+        self.columns = max([COLUMN * unit, *(counter.room(*sizes) for counter in found)])
+        scenario = scene.subjects[0].scenario
+        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
+        self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + 6 * unit
+        self.counters = len(found) * (self.columns + GAP * unit) - GAP * unit if found else 0.0
+        left = room - self.clock - APART * unit - (self.counters + APART * unit if found else 0)
+        self.abreast = left >= ABREAST * room
+        self.per_row = max(len(found), 1) if self.abreast else max(int((room + GAP * unit) / (self.columns + GAP * unit)), 1)
+        beside = left if self.abreast else room - self.clock - APART * unit
+        below = beside if self.abreast else room
+        self.title, self.size = fitting(scenario.title, TITLES, beside, 2, unit)
+        self.notes = wrapped(notes(scene), pixels(NOTE, unit), int(below), 2) if pixels(NOTE, unit) >= 8 else []
+        self.people = _peopled(introduced(scene), below, unit)
+        high = TOP * unit + len(self.title) * self.size * 1.12 * unit + 9 * unit
+        high += len(self.notes) * 1.25 * NOTE * unit + len(self.people) * 1.35 * WHO * unit
+        rows = -(-len(found) // self.per_row)
+        numbers = BLOCK * rows * unit
+        high = max(high, TOP * unit + numbers) if self.abreast else high + 10 * unit + numbers
+        self.height = max(high + 10 * unit, LEAST * unit)
+
+
+def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[list[tuple[str, str, str]]]:
+    """Deal who plays to lines."""
+    if pixels(WHO, unit) < 8:
+        return []
+    rows: list[list[tuple[str, str, str]]] = []
+    left = 0.0
+    for each in who:
+        wide = 63 * unit + width(each[1], pixels(WHO, unit)) + width(each[2], pixels(HOW, unit))
+        if not rows or wide > left:
+            rows.append([])
+            left = room + 26 * unit
+        rows[-1].append(each)
+        left -= wide
+    return rows
+
+
+def height_of(scene: Scene, found: list[Counter]) -> Callable[[float, float], float]:
+    """Give what tells how high [px] the caption of a scene becomes, by its width and the unit of type [px]."""
+    return lambda wide, unit: _Plan(scene, wide, unit, found).height

@@ -43,19 +43,22 @@ def ground(
 ) -> np.ndarray:
     """Draw floor, grid, areas, edge, target and obstacles. unit: pixels per unit of type.
 
-    cameras: one, or one for each image of a periodic world in a window x0, y0, x1, y1 [px], which its floor then fills.
+    cameras: one, or one for each image of a periodic world. window: x0, y0, x1, y1 [px], which a floor without an end fills:
+    that of an open world, or of a periodic one with its images.
     """
     if isinstance(cameras[0], Orbit):
         return _room(subject, theme, unit, cameras[0])
     world, target = subject.scenario.world, target_of(subject)
     low, high = _corners((0, 0), world.size[:2], cameras[0]) if window is None else (window[:2], window[2:])
-    rows, lone = _floor(subject, theme, unit, low, high), window is not None and len(cameras) == 1
+    rows = _floor(subject, theme, unit, low, high, framed=window is None)
+    endless = window is not None and len(cameras) == 1
     for camera in cameras:
         low, high = _corners((0, 0), world.size[:2], camera)
+        bare = is_sky(subject)
         rows += [
-            NONE if is_sky(subject) and not lone else _grid(world, theme, unit, camera, 0.06, window if lone else None),
+            NONE if bare and not endless else _grid(world, theme, unit, camera, 0.06, window if endless else None),
             *(_area(area, theme, atlas, unit, camera) for area in world.areas),
-            *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
+            *([] if bare and endless else _edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras))),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
             _obstacles(subject, theme, unit, camera, lone=len(cameras) == 1),
             _arrows(field, theme, unit, camera) if field else NONE,
@@ -63,12 +66,15 @@ def ground(
     return np.concatenate(rows)
 
 
-def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray, high: np.ndarray) -> list[np.ndarray]:
-    """Draw a floor that is lit in its middle; or the sky."""
-    shade = boxes(low, high, theme["shadow"], theme.shadow_alpha * 0.7, corner=6 * unit, soft=28 * unit)
+def _floor(
+    subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray, high: np.ndarray, *, framed: bool
+) -> list[np.ndarray]:
+    """Draw a floor that is lit in its middle; or the sky. framed: it ends at its corners, not at the stage's."""
+    shade = boxes(low, high, theme["shadow"], theme.shadow_alpha * 0.7, corner=6 * unit, soft=28 * unit) if framed else NONE
+    corner = 3 * unit if framed else 0.0
     if is_sky(subject):
         overhead, horizon = (colour(each) for each in theme.sky)
-        return [shade, boxes(low, high, overhead, corner=3 * unit), boxes(low, high, horizon, 0.0, 1.0, corner=3 * unit)]
+        return [shade, boxes(low, high, overhead, corner=corner), boxes(low, high, horizon, 0.0, 1.0, corner=corner)]
     reach = np.hypot(*(high - low)) / 2
     if box.rounded(subject.scenario.world.boundary):
         middle, radius = (low + high) / 2, (high - low).min() / 2
@@ -79,7 +85,7 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
         ]
     return [
         shade,
-        boxes(low, high, theme["world"], corner=3 * unit),
+        boxes(low, high, theme["world"], corner=corner),
         discs((low + high) / 2, reach * 0.25, theme["glow"], theme.glow_alpha, soft=reach * 1.5),
     ]
 
