@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.captions.caption import counters
+from render.captions.caption import counters, notes
 from render.captions.layout import Box, layout, unit_of
 from render.captions.mosaic import Heading, Mosaic, cells, labels_of
 from render.captions.panel import Panel
@@ -58,6 +58,7 @@ class Composition:
         """
         from render.raster.canvas import Canvas
 
+        alone = isinstance(subject, Recording | Live)
         subjects = [subject] if isinstance(subject, Recording | Live) else list(subject)
         if not subjects:
             raise ValueError("recordings: there are none; give one or more")
@@ -66,6 +67,7 @@ class Composition:
         self.is_live = not all(isinstance(each, Recording) for each in subjects)
         if look.slow and self.is_live:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
+        note = notes(subjects[0])
         upright = look.camera == "fit" and gains(size, subjects)
         if upright:
             field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
@@ -73,8 +75,8 @@ class Composition:
         self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
         self._atlas = Atlas(look.colours.type_weight)
         self.caption: Panel | Mosaic | None = None
-        if isinstance(subject, Recording | Live):
-            self._single(subjects[0], size)
+        if alone:
+            self._single(subjects[0], size, note)
         else:
             self._several(subjects, size, labels or labels_of(subjects))
         self._still = all(each.still for each in self.rigs)
@@ -156,14 +158,14 @@ class Composition:
                 images.append(moved)
         return images
 
-    def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
+    def _single(self, subject: Recording | Live, size: tuple[int, int], note: str) -> None:
         self.scene = Scene([subject], self._look, unit_of(size), self._atlas)
         view, found = self._view(STRAY), counters(self.scene)
-        plan = layout(size, apparent(self.scene.paths, view), height_of(self.scene, found))
+        plan = layout(size, apparent(self.scene.paths, view), height_of(self.scene, found, note))
         self.boxes = [plan.stage]
         self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
-            self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found)
+            self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found, note)
 
     def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = unit_of(size)

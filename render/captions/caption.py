@@ -11,7 +11,7 @@ from render.raster.shapes import NONE, Colour, capsules, colour, darts
 from render.scene.scene import Scene
 from render.scene.signs import signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
-from render.source import target_of
+from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.scenario.changes import changes
 from tiswarm.scenario.words import told
@@ -103,10 +103,14 @@ class Counter:
     share: Callable[[float], float] | None = None
     sign: int | None = None
 
+    def name_room(self, name: int) -> float:
+        """Measure its name, behind its sign, in type of a size [px]."""
+        return width(self.name, name) + (name if self.sign is not None else 0)
+
     def room(self, number: int, name: int, unit: int) -> float:
-        """Measure how wide its number, or its name with its sign, is in types of some sizes [px]."""
+        """Measure its number beside its name in types of some sizes [px]."""
         digits = width(self.widest, number, tabular=True) + (width(" " + self.unit, unit) if self.unit else 0)
-        return max(digits, width(self.name, name) + (name if self.sign is not None else 0))
+        return digits + self.name_room(name)
 
 
 def counted(
@@ -172,13 +176,15 @@ def introduced(scene: Scene) -> list[tuple[str, str, str]]:
         agents = getattr(scenario, kind)
         if count:
             avoids = agents.avoidance != "none" and len(scene.subjects[0].obstacle_radius) > 0
-            how = f"{agents.strategy} · {agents.avoidance}" if avoids else agents.strategy
-            who.append((kind, f"{grouped(count)} {scenario.words.noun(kind, count)}", how))
+            noun = scenario.words.noun(kind, count)
+            ways = [agents.strategy] * (agents.strategy not in (noun, scenario.words.noun(kind, 1))) + [
+                agents.avoidance
+            ] * avoids
+            who.append((kind, f"{grouped(count)} {noun}", " · ".join(ways)))
     return who
 
 
-def notes(scene: Scene) -> str:
-    """Say where a scene of one subject comes from, and what of its preset was changed."""
-    subject = scene.subjects[0]
+def notes(subject: Recording | Live) -> str:
+    """Say where a subject comes from, and what of its preset was changed."""
     which = f"trial {subject.trial} · seed {subject.seed}"
     return " · ".join(each for each in (subject.scenario.source, told(changes(subject.scenario)), which) if each)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from render.captions.caption import Caption, Counter, fitting, introduced, notes
+from render.captions.caption import Caption, Counter, fitting, introduced
 from render.captions.layout import Box, Layout
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import Colour, boxes, colour
@@ -22,11 +22,12 @@ ROW = 44
 class Panel(Caption):
     """The caption of one scene."""
 
-    def __init__(self, scene: Scene, layout: Layout, atlas: Atlas, found: list[Counter]):
-        """Place the blocks. The layout must have room for a caption. found: what `counters` found in the scene."""
+    def __init__(self, scene: Scene, layout: Layout, atlas: Atlas, found: list[Counter], note: str):
+        """Place the blocks. The layout must have room for a caption. found, note: what `counters` and `notes` tell."""
         assert layout.panel is not None
         super().__init__(scene, atlas, layout.unit)
         self._subject, self._counters, self._panel = scene.subjects[0], found, layout.panel
+        self._note = note
         self._still: list[np.ndarray] = []
         self._told: list[str] = []  # numbers change seldom: their shapes are kept until they do
         self._told_rows: list[np.ndarray] = []
@@ -51,7 +52,7 @@ class Panel(Caption):
         return y + 10 * self._unit
 
     def _noted(self, y: float) -> float:
-        for line in wrapped(notes(self._scene), self._px(NOTE), int(self._box.width), 4):
+        for line in wrapped(self._note, self._px(NOTE), int(self._box.width), 4):
             y += 1.3 * NOTE * self._unit
             self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
         return y
@@ -65,7 +66,7 @@ class Panel(Caption):
             x, room = self._box.left + 32 * unit, int(self._box.width - 32 * unit)
             self._still.append(self._write(who, x, y + 14 * unit, WHO, "ink"))
             y += 14 * unit
-            for line in wrapped(how, self._px(HOW), room, 2):
+            for line in wrapped(how, self._px(HOW), room, 2) if how else ():
                 y += 19 * unit
                 self._still.append(self._write(line, x, y, HOW, "quiet"))
         return y

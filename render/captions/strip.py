@@ -1,67 +1,66 @@
 """The caption below the stage: in one line of sight where the frame is wide, else in rows."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
-from render.captions.caption import Counter, fitting, introduced, notes, pixels
+from render.captions.caption import LEGIBLE, Counter, fitting, introduced, pixels
 from render.captions.layout import Box
 from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
 from render.scene.scene import Scene
 
-TITLES = (32, 28, 25, 22)
-NUMBER, NAME, WHO, CLOCK = 36, 17, 17, 50
+TITLES = (34, 31, 28, 25, 22)
+NUMBER, NAME, WHO, CLOCK = 32, 17, 18, 54
 """Sizes of words."""
 
-TOP, LEAST = 8, 96
-"""Room between the progress line and the words, and height of a caption at least."""
+TOP, BOTTOM = 10, 12
+"""Room above and below the words."""
 
-COLUMN, GAP, APART = 60, 22, 34
-"""Widths of a counter, at least, of the gap between two, and of the gap to what is beside them."""
+GAP, APART = 20, 30
+"""Gaps between counters, and between them and what stands beside them."""
 
-BLOCK = 82
-"""Height of a counter: number, name and bar."""
-
-ABREAST = 0.40
-"""The title needs this share of the width beside counters and clock; in narrower frames these stand in rows."""
+COUNTED, PEOPLED, NOTED, PART = 46, 27, 21, 6
+"""Heights of a row of counters, of who plays, of a note, and what parts them."""
 
 
 class Strip(Panel):
-    """Title and who plays on the left, counters in the middle, the clock on the right; or one above the other."""
+    """Title, who plays and notes on the left, clock and counters on the right; counters in rows of their own in narrow frames."""
 
     def _place(self, box: Box) -> None:
         unit = self._unit
-        self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        self._plan = plan = _Plan(self._scene, box.width, unit, self._counters)
-        spare = max(box.height - plan.height, 0.0)
-        if plan.abreast:
-            self._box = Box(self._box.left, self._box.top + spare / 2, self._box.right, self._box.bottom)
+        plan = _Plan(self._scene, box.width, unit, self._counters, self._note)
+        spare = max(box.height - plan.height, 0.0) / 2
+        self._box = Box(box.left + INSET * unit, box.top + TOP * unit + spare, box.right - INSET * unit, box.bottom)
         y = self._box.top
-        self._clock_base = y + 44 * unit
+        self._clock_base = y + CLOCK * 0.82 * unit
         self._still.append(self._write("s", self._box.right, self._clock_base, 24, "quiet", "right"))
         for line in plan.title:
             y += plan.size * 1.12 * unit
             self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
-        y += 5 * unit
-        for line in plan.notes:
-            y += 1.25 * NOTE * unit
-            self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
-        y += 4 * unit
         for row in plan.people:
-            y += 1.35 * WHO * unit
+            y += PEOPLED * unit
             x = self._box.left
             for kind, who, how in row:
                 x = self._peopled_at(kind, who, how, x, y)
-        if plan.abreast:
-            self._numbers_top = self._box.top
-            self._first = self._box.right - plan.clock - APART * unit - plan.counters
-        else:
-            self._numbers_top = y + 10 * unit
-            self._first = self._box.left
+        y += PART * unit if plan.notes else 0
+        for line in plan.notes:
+            y += NOTED * unit
+            self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
+        self._spots: list[tuple[float, float, float]] = []  # left edge, baseline and width of each counter
+        base = y + 2 * PART * unit if not plan.abreast else box.bottom - spare - (BOTTOM + COUNTED - 3) * unit
+        for row in plan.rows:
+            base += COUNTED * unit
+            x = self._box.right - sum(wide + GAP * unit for wide in row) + GAP * unit if plan.abreast else self._box.left
+            for wide in row:
+                self._spots.append((x, base - 10 * unit, wide))
+                x += wide + GAP * unit
         for n, counter in enumerate(self._counters):
-            self._named(counter, self._column(n)[0], self._row(n) + 58 * unit)
+            x, base, wide = self._spots[n]
+            named = wide - counter.name_room(self._px(NAME))
+            self._named(counter, x + named, base)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
 
     def _peopled_at(self, kind: str, who: str, how: str, x: float, base: float) -> float:
@@ -74,25 +73,19 @@ class Strip(Panel):
         self._still.append(self._write(how, x, base, HOW, "quiet"))
         return x + width(how, self._px(HOW)) + 26 * unit
 
-    def _column(self, n: int) -> tuple[float, float]:
-        """Give the left edge and the width of a counter."""
-        wide = self._plan.columns
-        return self._first + n % self._plan.per_row * (wide + GAP * self._unit), wide
-
-    def _row(self, n: int) -> float:
-        return self._numbers_top + n // self._plan.per_row * BLOCK * self._unit
-
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        (x, wide), y, half = self._column(row), self._row(row) + 70 * self._unit, 2 * self._unit
+        (x, base, wide), half = self._spots[row], 1.75 * self._unit
+        y = base + 9 * self._unit
         return boxes((x, y - half), (x + share * wide, y + half), paint, alpha, corner=half)
 
     def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
-        x, base, unit = self._column(row)[0], self._row(row) + 34 * self._unit, self._counters[row].unit
-        rows = [self._write(digits, x, base, NUMBER, paint, tabular=True)]
-        if unit:
-            end = x + width(digits, self._px(NUMBER), tabular=True) + 5 * self._unit
-            rows.append(self._write(unit, end, base, UNIT, "quiet"))
-        return rows
+        (x, base, wide), counter = self._spots[row], self._counters[row]
+        right = x + wide - counter.name_room(self._px(NAME)) - 7 * self._unit
+        rows = []
+        if counter.unit:
+            rows.append(self._write(counter.unit, right, base, UNIT, "quiet", "right"))
+            right -= width(" " + counter.unit, self._px(UNIT))
+        return [*rows, self._write(digits, right, base, NUMBER, paint, "right", tabular=True)]
 
     def _clock(self, time: float) -> list[np.ndarray]:
         end = self._box.right - width("s", self._px(24)) - 6 * self._unit
@@ -107,46 +100,53 @@ class Strip(Panel):
 class _Plan:
     """What a strip of some width says, in how many lines, and how high it becomes."""
 
-    def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter]):
+    def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter], note: str):
         room = wide - 2 * INSET * unit
-        sizes = (pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit))
-        self.columns = max([COLUMN * unit, *(counter.room(*sizes) for counter in found)])
         scenario = scene.subjects[0].scenario
+        widths = [counter.room(pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit)) + 7 * unit for counter in found]
         longest = f"{scene.paths.last * scenario.world.dt:.1f}"
-        self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + 6 * unit
-        self.counters = len(found) * (self.columns + GAP * unit) - GAP * unit if found else 0.0
-        left = room - self.clock - APART * unit - (self.counters + APART * unit if found else 0)
-        self.abreast = left >= ABREAST * room
-        self.per_row = max(len(found), 1) if self.abreast else max(int((room + GAP * unit) / (self.columns + GAP * unit)), 1)
-        beside = left if self.abreast else room - self.clock - APART * unit
-        below = beside if self.abreast else room
-        self.title, self.size = fitting(scenario.title, TITLES, beside, 2, unit)
-        self.notes = wrapped(notes(scene), pixels(NOTE, unit), int(below), 2) if pixels(NOTE, unit) >= 8 else []
-        self.people = _peopled(introduced(scene), below, unit)
-        high = TOP * unit + len(self.title) * self.size * 1.12 * unit + 9 * unit
-        high += len(self.notes) * 1.25 * NOTE * unit + len(self.people) * 1.35 * WHO * unit
-        rows = -(-len(found) // self.per_row)
-        numbers = BLOCK * rows * unit
-        high = max(high, TOP * unit + numbers) if self.abreast else high + 10 * unit + numbers
-        self.height = max(high + 10 * unit, LEAST * unit)
+        clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + (6 + APART) * unit
+        self.title, self.size = fitting(scenario.title, TITLES, room - clock, 2, unit)
+        beside = room - sum(each + GAP * unit for each in widths) - (APART - GAP) * unit
+        who, noted = introduced(scene), max(width(note, pixels(NOTE, unit)), 1)
+        needed = max(noted, max((_wide(each, unit) for each in who), default=0.0) if len(who) > 1 else 0.0)
+        self.abreast = 0.9 * needed <= beside and beside > 0.3 * room
+        self.rows = _dealt(widths, room if not self.abreast else np.inf, GAP * unit)
+        small = pixels(NOTE, unit) < LEGIBLE
+        self.people = [] if small else _peopled(who, beside if self.abreast else room - clock, unit)
+        self.notes = [] if small else wrapped(note, pixels(NOTE, unit), int(beside if self.abreast else room), 2)
+        left = len(self.title) * self.size * 1.12 + len(self.people) * PEOPLED + len(self.notes) * NOTED
+        left += PART if self.notes else 0
+        if self.abreast:
+            high = max(left, CLOCK * 0.82 + 4 + COUNTED * len(self.rows))
+        else:
+            high = max(left, CLOCK * 0.82) + COUNTED * len(self.rows) + 2 * PART
+        self.height = (TOP + high + BOTTOM) * unit
+
+
+def _dealt(widths: list[float], room: float, gap: float) -> list[list[float]]:
+    """Deal widths to rows that have room for them."""
+    rows: list[list[float]] = []
+    for wide in widths:
+        if not rows or sum(rows[-1]) + len(rows[-1]) * gap + wide > room:
+            rows.append([])
+        rows[-1].append(wide)
+    return rows
+
+
+def _wide(who: tuple[str, str, str], unit: float) -> float:
+    """Measure who plays with its likeness."""
+    return 37 * unit + width(who[1], pixels(WHO, unit)) + width(who[2], pixels(HOW, unit))
 
 
 def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[list[tuple[str, str, str]]]:
     """Deal who plays to lines."""
-    if pixels(WHO, unit) < 8:
-        return []
-    rows: list[list[tuple[str, str, str]]] = []
-    left = 0.0
-    for each in who:
-        wide = 63 * unit + width(each[1], pixels(WHO, unit)) + width(each[2], pixels(HOW, unit))
-        if not rows or wide > left:
-            rows.append([])
-            left = room + 26 * unit
-        rows[-1].append(each)
-        left -= wide
-    return rows
+    widths = [_wide(each, unit) for each in who]
+    counts = [len(row) for row in _dealt(widths, room, 26 * unit)]
+    starts = np.concatenate([[0], np.cumsum(counts)]).astype(int)
+    return [who[start:end] for start, end in pairwise(starts)]
 
 
-def height_of(scene: Scene, found: list[Counter]) -> Callable[[float, float], float]:
+def height_of(scene: Scene, found: list[Counter], note: str) -> Callable[[float, float], float]:
     """Give what tells how high [px] the caption of a scene becomes, by its width and the unit of type [px]."""
-    return lambda wide, unit: _Plan(scene, wide, unit, found).height
+    return lambda wide, unit: _Plan(scene, wide, unit, found, note).height
