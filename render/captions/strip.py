@@ -27,7 +27,7 @@ COUNTED, PEOPLED, NOTED, PART = 46, 27, 21, 6
 
 
 class Strip(Panel):
-    """Title, who plays and notes on the left, clock and counters on the right; counters in rows of their own in narrow frames."""
+    """Title, who plays and notes on the left, clock and counters on the right; narrow frames have counters in rows below."""
 
     def _place(self, box: Box) -> None:
         unit = self._unit
@@ -40,10 +40,10 @@ class Strip(Panel):
         for line in plan.title:
             y += plan.size * 1.12 * unit
             self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
-        for row in plan.people:
+        for line_up in plan.people:
             y += PEOPLED * unit
             x = self._box.left
-            for kind, who, how in row:
+            for kind, who, how in line_up:
                 x = self._peopled_at(kind, who, how, x, y)
         y += PART * unit if plan.notes else 0
         for line in plan.notes:
