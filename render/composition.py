@@ -13,7 +13,7 @@ from render.captions.strip import Strip, height_of
 from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW
-from render.scene import background
+from render.scene import background, lettering
 from render.scene.background import Field
 from render.scene.camera import Camera, Orbit, joint
 from render.scene.rigs import Rig, View, apparent, bounds, heights, rig
@@ -81,6 +81,8 @@ class Composition:
             self._several(subjects, size, labels or labels_of(subjects))
         self._still = all(each.still for each in self.rigs)
         self._joint: Camera | None = None
+        self._letters: np.ndarray | None = None
+        self._unit = unit_of(size)
         self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
@@ -113,7 +115,8 @@ class Composition:
 
     def frame(self, time: float, out: Framebuffer) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
-        shapes = np.concatenate([self.scene.frame(time, self._camera(time), self._windows), self._captioned(time)])
+        moving = self.scene.frame(time, self._camera(time), self._windows)
+        shapes = np.concatenate([moving, self._lettered(time), self._captioned(time)])
         if self._still:
             return self.canvas.draw(shapes, self._windows, out)
         return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
@@ -126,6 +129,20 @@ class Composition:
 
     def _captioned(self, time: float) -> np.ndarray:
         return self._in_frame(self.caption.frame(time)) if self.caption else NONE
+
+    def _lettered(self, time: float) -> np.ndarray:
+        """Write on the stages: names of areas, and on the last stage the scale, which all share."""
+        if self._letters is None or not self._still:
+            theme, unit, rows = self._look.colours, self.scene.unit, [NONE]
+            for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
+                rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time)))
+                rows[-1][:, WINDOW] = len(self.boxes) + n
+            if self.caption and self.caption.shown:
+                edges = self._windows[-2]
+                rows.append(lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time)))
+                rows[-1][:, WINDOW] = 2 * len(self.boxes)
+            self._letters = np.concatenate(rows)
+        return self._letters
 
     def _in_frame(self, rows: np.ndarray) -> np.ndarray:
         rows[:, WINDOW] = 2 * len(self.boxes)
@@ -140,7 +157,7 @@ class Composition:
             endless = not isinstance(images[0], Orbit) and subject.scenario.world.boundary == "open"
             seen = self._windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
-            grounds.append(background.ground(subject, self._look.colours, self._atlas, unit, images, seen, self._field))
+            grounds.append(background.ground(subject, self._look.colours, unit, images, seen, self._field))
             grounds[-1][:, WINDOW] = window
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
 

@@ -102,6 +102,7 @@ class Mosaic(Caption):
         """Caption the subjects of a scene inside their places."""
         super().__init__(scene, atlas, head.unit)
         self._places, self._labels, self._head = places, labels, head
+        self.shown = head.shown
         self._right = max(place.right for place in places)
         paths = scene.paths
         self._prey = [np.flatnonzero(paths.is_prey & (paths.scene == n)) for n in range(len(places))]

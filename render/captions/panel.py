@@ -26,6 +26,7 @@ class Panel(Caption):
         """Place the blocks. The layout must have room for a caption. found, note: what `counters` and `notes` tell."""
         assert layout.panel is not None
         super().__init__(scene, atlas, layout.unit)
+        self.shown = True
         self._subject, self._counters, self._panel = scene.subjects[0], found, layout.panel
         self._note = note
         self._still: list[np.ndarray] = []
@@ -62,7 +63,7 @@ class Panel(Caption):
         unit = self._unit
         for kind, who, how in introduced(self._scene):
             y += 12 * unit
-            self._still.append(self._likeness(kind, self._box.left + 11 * unit, y + 14 * unit, 1.1 * unit))
+            self._still.append(self._likeness(kind, self._box.left + 11 * unit, y + 7.5 * unit, 1.1 * unit))
             x, room = self._box.left + 32 * unit, int(self._box.width - 32 * unit)
             self._still.append(self._write(who, x, y + 14 * unit, WHO, "ink"))
             y += 14 * unit

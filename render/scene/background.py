@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.scene.camera import Camera, Orbit
+from render.scene.lettering import hue_of
 from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
 from render.theme import Theme
 from tiswarm.records.recording import Recording
-from tiswarm.scenario.model import World
+from tiswarm.scenario.model import Area, World
 from tiswarm.space import box
 
 GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -35,7 +35,6 @@ class Field:
 def ground(
     subject: Recording | Live,
     theme: Theme,
-    atlas: Atlas,
     unit: float,
     cameras: Sequence[Camera],
     window: np.ndarray | None,
@@ -57,7 +56,7 @@ def ground(
         bare = is_sky(subject)
         rows += [
             NONE if bare and not endless else _grid(world, theme, unit, camera, 0.06, window if endless else None),
-            *(_area(area, theme, atlas, unit, camera) for area in world.areas),
+            *(_area(area, theme, camera) for area in world.areas),
             *([] if bare and endless else _edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras))),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
             _obstacles(subject, theme, unit, camera, lone=len(cameras) == 1),
@@ -210,18 +209,9 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
     return np.concatenate(rows), np.tile(near, len(rows))
 
 
-def _area(area, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
-    """Tint an area and name it once, in its upper left corner."""
-    meant = area.label.lower()
-    name = "danger" if "danger" in meant else "safe" if "safe" in meant else "line"
-    low, high = _corners(area.region.low, area.region.high, camera)
-    tint = boxes(low, high, theme[name], theme.tint_alpha)
-    size, inset = round(11 * unit), 12 * unit
-    if size < 7:  # too small to read: the tint alone has to do
-        return tint
-    spot = low[0] + inset, low[1] + inset + size * 0.75
-    words, spacing = area.label.upper(), max(round(size * 0.12), 1)
-    return np.concatenate([tint, atlas.line(words, spot, size, theme.label(name), spacing=spacing)])
+def _area(area: Area, theme: Theme, camera: Camera) -> np.ndarray:
+    """Tint an area; its name is written above all that moves."""
+    return boxes(*_corners(area.region.low, area.region.high, camera), theme[hue_of(area.label)], theme.tint_alpha)
 
 
 def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
