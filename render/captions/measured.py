@@ -53,10 +53,11 @@ def measured(scene: Scene, number: int, name: str) -> Measured:
     digits = 0 if name == "groups" else 2 if max(abs(largest), abs(smallest)) < 100 else 1
     widest = max((f"{each:.{digits}f}" for each in (largest, smallest)), key=len)
     share = (lambda time: float(np.nan_to_num(at(time)))) if name in FRACTIONS else None
-    return Measured(_called(scene, number, name), UNITS.get(name, ""), at, digits, widest, share)
+    return Measured(called(scene, number, name), UNITS.get(name, ""), at, digits, widest, share)
 
 
-def _called(scene: Scene, number: int, name: str) -> str:
+def called(scene: Scene, number: int, name: str) -> str:
+    """Give what a caption calls a measure."""
     pair = int((scene.paths.is_prey & (scene.paths.scene == number)).sum()) == 2
     words = {"nearest": "distance" if pair else "to the nearest", "kinetic": "kinetic energy", "potential": "potential energy"}
     return words.get(name, name)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from render.captions.caption import Caption, Counter, fitting, introduced
+from render.captions.chart import Charts
 from render.captions.layout import Box, Layout
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import Colour, boxes, colour
@@ -44,6 +45,13 @@ class Panel(Caption):
             base = self._numbers_top + (n * ROW + 24) * self._unit
             self._named(counter, self._box.left, base)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
+        top = self._numbers_top + (len(self._counters) * ROW + 26) * self._unit
+        self._chart(Box(self._box.left, top, self._box.right, self._box.bottom - (CLOCK + 32) * self._unit))
+
+    def _chart(self, box: Box) -> None:
+        """Fill what is left of the caption with charts."""
+        self._charts = Charts(self._scene, self._atlas, self._unit, box, self._scene.look.chart)
+        self._still += self._charts.ground()
 
     def _titled(self, y: float) -> float:
         lines, size = fitting(self._subject.scenario.title, TITLES, self._box.width, 5, self._unit)
@@ -102,9 +110,8 @@ class Panel(Caption):
         """Draw what changes: counters, clock and progress."""
         ticks = self._scene.paths.last
         share = min(time / ticks, 1.0) if ticks else 1.0
-        return np.concatenate(
-            [*self._numbers(time), *self._clock(time), self._progress(share, colour(self._theme.prey[0]), 0.9)]
-        )
+        line = self._progress(share, colour(self._theme.prey[0]), 0.9)
+        return np.concatenate([*self._numbers(time), *self._charts.frame(time), *self._clock(time), line])
 
     def _numbers(self, time: float) -> list[np.ndarray]:
         told = [counter.text(time) for counter in self._counters]

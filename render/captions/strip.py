@@ -6,11 +6,13 @@ from itertools import pairwise
 import numpy as np
 
 from render.captions.caption import LEGIBLE, Counter, fitting, introduced, pixels
+from render.captions.chart import chartable, height_for
 from render.captions.layout import Box
 from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
 from render.scene.scene import Scene
+from tiswarm.records.recording import Recording
 
 TITLES = (34, 31, 28, 25, 22)
 NUMBER, NAME, WHO, CLOCK = 32, 17, 18, 54
@@ -33,6 +35,13 @@ class Strip(Panel):
         unit = self._unit
         plan = _Plan(self._scene, box.width, unit, self._counters, self._note)
         spare = max(box.height - plan.height, 0.0) / 2
+        charted = charted_in(self._scene, 2 * spare / unit)
+        if charted:
+            spare = min(spare, APART / 2 * unit)
+            below = box.top + plan.height + spare
+            self._chart(Box(box.left + INSET * unit, below + PART * unit, box.right - INSET * unit, box.bottom - INSET * unit))
+        else:
+            self._chart(Box(0, 0, 0, 0))
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit + spare, box.right - INSET * unit, box.bottom)
         y = self._box.top
         self._clock_base = y + CLOCK * 0.82 * unit
@@ -50,7 +59,8 @@ class Strip(Panel):
             y += NOTED * unit
             self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
         self._spots: list[tuple[float, float, float]] = []  # left edge, baseline and width of each counter
-        base = y + 2 * PART * unit if not plan.abreast else box.bottom - spare - (BOTTOM + COUNTED - 3) * unit
+        foot = box.top + plan.height + spare if charted else box.bottom - spare
+        base = y + 2 * PART * unit if not plan.abreast else foot - (BOTTOM + COUNTED - 3) * unit
         for row in plan.rows:
             base += COUNTED * unit
             x = self._box.right - sum(wide + GAP * unit for wide in row) + GAP * unit if plan.abreast else self._box.left
@@ -149,4 +159,11 @@ def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[
 
 def height_of(scene: Scene, found: list[Counter], note: str) -> Callable[[float, float], float]:
     """Give what tells how high [px] the caption of a scene becomes, by its width and the unit of type [px]."""
-    return lambda wide, unit: _Plan(scene, wide, unit, found, note).height
+    more = height_for(len(scene.look.chart or ())) if isinstance(scene.subjects[0], Recording) else 0.0
+    return lambda wide, unit: _Plan(scene, wide, unit, found, note).height + more * unit
+
+
+def charted_in(scene: Scene, left: float) -> bool:
+    """Tell whether what is left of a strip [units of type] has room for a chart that is wanted, or worth it."""
+    names = chartable(scene) if scene.look.chart is None else scene.look.chart
+    return bool(names) and isinstance(scene.subjects[0], Recording) and left >= height_for(1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from render.raster.glyphs import Atlas
-from render.raster.shapes import WINDOW, capsules, colour, darts, discs, rings
+from render.raster.shapes import NONE, WINDOW, capsules, colour, darts, discs, rings
 from render.scene import background
 from render.scene.camera import Camera, Orbit
 from render.scene.events import Fates
@@ -58,7 +58,15 @@ class Scene:
         self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
         self.coverage = self._overlays.coverage
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
+        self._followed = self._numbered(look.followed)
         self._size_up()
+
+    def _numbered(self, agent: int | None) -> np.ndarray:
+        """Find who has a number in each subject, where prey come first."""
+        if agent is None:
+            return np.zeros(0, int)
+        each = [np.flatnonzero(self.paths.scene == n)[agent : agent + 1] for n in range(len(self.subjects))]
+        return np.concatenate(each)
 
     def _size_up(self) -> None:
         """Find out what about each agent never changes: [agent]."""
@@ -93,9 +101,18 @@ class Scene:
             paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
         drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
         rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
+        rows.append(self._chosen(here, reach))
         if gone:
             rows.append(self._fates.flashes(here, camera))
         return np.concatenate(rows)
+
+    def _chosen(self, here: Snapshot, reach: np.ndarray) -> np.ndarray:
+        """Ring the agent that the camera follows, in the colour of words."""
+        rows = np.flatnonzero(np.isin(here.who, self._followed))
+        if not len(rows):
+            return NONE
+        rims = rings(here.centre[rows], 3.2 * reach[rows], max(1.4 * self.unit, 1.0), self.theme["ink"], 0.9)
+        return self._cut(rims, here.who[rows])
 
     def _around(self, camera: Camera, windows: np.ndarray) -> np.ndarray | None:
         """Give what of periodic worlds each agent's window shows, and a rim for what is larger than a point: [agent, 4], m."""

@@ -108,3 +108,8 @@ def plural(noun: str, count: int) -> str:
 
 def _escaped(character: str) -> str:
     return " " if character in "\n\t" else character.encode("unicode_escape").decode("ascii")
+
+
+def listed(words: list[str]) -> str:
+    """Write words as a list: "1, 2 and 3"."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
