@@ -19,9 +19,9 @@ _ONE = "\0"  # stands for "a" or "an" until the word behind it is known
 class Words(Part):
     """What films and pages call things: one of them, and several behind a stroke where that is irregular ("fish/fish")."""
 
-    prey: str = "prey/prey"
-    predators: str = "predator"
-    obstacles: str = "obstacle"
+    prey: str = "prey/prey"  # one of them, and several
+    predators: str = "predator"  # as prey
+    obstacles: str = "obstacle"  # as prey
     covered: str = "covered"  # what ground is where agents have been
 
     def noun(self, kind: str, count: int) -> str:
