@@ -10,6 +10,7 @@ from render.captions.layout import Box, layout, unit_of
 from render.captions.mosaic import Heading, Mosaic, cells, labels_of
 from render.captions.panel import Panel
 from render.captions.strip import Strip, height_of
+from render.captions.told import Told
 from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW
@@ -65,7 +66,7 @@ class Composition:
         if labels is not None and len(labels) != len(subjects):
             raise ValueError(f"labels: {len(labels)} do not fit {len(subjects)} recordings; give one each")
         self.is_live = not all(isinstance(each, Recording) for each in subjects)
-        if look.slow and self.is_live:
+        if look.slowed and self.is_live:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
         note = notes(subjects[0])
         upright = look.camera == "fit" and gains(size, subjects)
@@ -83,6 +84,7 @@ class Composition:
         self._joint: Camera | None = None
         self._letters: np.ndarray | None = None
         self._unit = unit_of(size)
+        self._told = self._story()
         self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
@@ -107,16 +109,16 @@ class Composition:
 
     def times(self, fps: Rate) -> Iterator[float]:
         """Give the frames' times [ticks]; several subjects end with the longest."""
-        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slowed)
 
     def length(self, fps: Rate) -> int:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
-        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slowed)
 
     def frame(self, time: float, out: Framebuffer) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
         moving = self.scene.frame(time, self._camera(time), self._windows)
-        shapes = np.concatenate([moving, self._lettered(time), self._captioned(time)])
+        shapes = np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time)])
         if self._still:
             return self.canvas.draw(shapes, self._windows, out)
         return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
@@ -143,6 +145,9 @@ class Composition:
                 rows[-1][:, WINDOW] = 2 * len(self.boxes)
             self._letters = np.concatenate(rows)
         return self._letters
+
+    def _happening(self, time: float) -> np.ndarray:
+        return self._in_frame(self._told.frame(time, self.rigs[0].at(time))) if self._told else NONE
 
     def _in_frame(self, rows: np.ndarray) -> np.ndarray:
         rows[:, WINDOW] = 2 * len(self.boxes)
@@ -183,6 +188,15 @@ class Composition:
         self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
             self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found, note)
+
+    def _story(self) -> Told | None:
+        """Tell what happens, where that was asked for and is known beforehand."""
+        alone = len(self.scene.subjects) == 1 and isinstance(self.scene.subjects[0], Recording)
+        if not self._look.story:
+            return None
+        if not alone:
+            raise ValueError("story: needs one recording; film one, of few agents")
+        return Told(self.scene, self._atlas, self._unit, self.boxes[0]) if self.caption else None
 
     def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
         unit = unit_of(size)

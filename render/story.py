@@ -31,15 +31,16 @@ ENDS = {
 
 @dataclass(frozen=True)
 class Event:
-    """What happened in a tick: `tick` is the first state without the agents that it took."""
+    """What happened in a tick, the first without the agents that it took. agents: their numbers, prey first."""
 
     tick: int
     words: str
+    agents: tuple[int, ...] = ()
 
 
 def events(recording: Recording) -> list[Event]:
     """Tell what became of agents, tick by tick. Agents have the numbers that the recording's arrays give them."""
-    told: list[tuple[int, int, str]] = []
+    told: list[tuple[int, Event]] = []
     for rank, kind in enumerate(("prey", "predators")):
         swarm: Swarm = getattr(recording, kind)
         gone = ends(swarm)
@@ -47,9 +48,15 @@ def events(recording: Recording) -> list[Event]:
             took = (swarm.fate == fate) & (kind == "prey" or fate == "crashed")
             for tick in np.unique(gone[took]):
                 agents = np.flatnonzero(took & (gone == tick))
-                by = _captor(recording, agents, int(tick)) if fate == "captured" else ""
-                told.append((int(tick), rank, f"{_named(recording, kind, agents)} {words[len(agents) > 1]}{by}"))
-    return [Event(tick, words) for tick, _, words in sorted(told, key=lambda each: each[:2])]
+                captor = _captor(recording, agents, int(tick)) if fate == "captured" else None
+                by = "" if captor is None else f" by {recording.scenario.words.noun('predators', 1)} {captor}"
+                line = f"{_named(recording, kind, agents)} {words[len(agents) > 1]}{by}"
+                took_part = [
+                    *(agents + rank * recording.prey.count),
+                    *([] if captor is None else [captor + recording.prey.count]),
+                ]
+                told.append((rank, Event(int(tick), line, tuple(map(int, took_part)))))
+    return [each for _, each in sorted(told, key=lambda pair: (pair[1].tick, pair[0]))]
 
 
 def ends(swarm: Swarm) -> np.ndarray:
@@ -63,12 +70,12 @@ def _named(recording: Recording, kind: str, agents: np.ndarray) -> str:
     return f"{noun[:1].upper()}{noun[1:]} {listed([str(agent) for agent in agents])}"
 
 
-def _captor(recording: Recording, captives: np.ndarray, tick: int) -> str:
-    """Say who caught a captive, where that is known: it died of it, too, and nobody else did in that tick."""
+def _captor(recording: Recording, captives: np.ndarray, tick: int) -> int | None:
+    """Find who caught a captive, where that is known: it died of it, too, and nobody else did in that tick."""
     hunters = recording.predators
     captors = np.flatnonzero((hunters.fate == "captured") & (ends(hunters) == tick))
     if len(captives) > 1 or len(captors) != 1:
-        return ""
+        return None
     apart = recording.prey.position[tick - 1, captives[0]] - hunters.position[tick - 1, captors[0]]
     world = recording.scenario.world
     gap = np.linalg.norm(box.displacement(apart, box.period(world.size, world.boundary)))
@@ -77,8 +84,8 @@ def _captor(recording: Recording, captives: np.ndarray, tick: int) -> str:
     )
     touch = recording.scenario.prey.radius + recording.scenario.predators.radius
     if gap > touch + steps * world.dt:
-        return ""
-    return f" by {recording.scenario.words.noun('predators', 1)} {captors[0]}"
+        return None
+    return int(captors[0])
 
 
 def outcome(recording: Recording) -> str:
@@ -96,7 +103,7 @@ def subtitles(recording: Recording, path: str | os.PathLike, fps: Rate = 60, **l
     Errors: ValueError or TypeError for a choice that is not possible; FilmError when the file cannot be written.
     """
     style, target = look_of(look), Path(path)
-    shown = list(times(Trajectories([recording]), style.speed, fps, slow=style.slow))
+    shown = list(times(Trajectories([recording]), style.speed, fps, slow=style.slowed))
     happened = [(bisect_left(shown, each.tick) / float(fps), each.words + ".") for each in events(recording)]
     last = len(shown) / float(fps)
     cues = _cues([(0.0, recording.scenario.title + "."), *happened, (last - HOLD, outcome(recording))], last)

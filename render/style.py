@@ -45,6 +45,7 @@ class Look:
         "orbit" (around the world; what 3-D recordings have for "fit"), or a box ((x0, y0), (x1, y1)) [m].
     overlay: any of OVERLAYS.
     slow: slow motion around captures.
+    story: tell what happens in a line at the stage's foot, and slow down around captures; for one recording.
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
 
@@ -57,6 +58,7 @@ class Look:
     camera: str | Corners = "fit"
     overlay: tuple[str, ...] = ()
     slow: bool = False
+    story: bool = False
     chart: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -81,6 +83,11 @@ class Look:
             (x0, y0), (x1, y1) = self.camera
             if not (x0 < x1 and y0 < y1):
                 raise ValueError(f"camera: the box {self.camera} must run from its lower to its upper corner")
+
+    @property
+    def slowed(self) -> bool:
+        """Tell whether there is slow motion."""
+        return self.slow or self.story
 
     @property
     def followed(self) -> int | None:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import render
+from render.composition import Composition
 from render.encoder import FilmError
 from render.story import Event, events, outcome
+from render.style import Look
 
 pytestmark = pytest.mark.quick
 
@@ -24,10 +26,10 @@ def test_every_end_is_told_once_in_its_tick(make):
         predator_ends={4: (6, "crashed")},
     )
     assert events(recording) == [
-        Event(3, "Prey 0 is caught"),
-        Event(4, "Prey 1 crashes"),
-        Event(5, "Prey 2 and 3 reach the target"),
-        Event(6, "Predator 4 crashes"),
+        Event(3, "Prey 0 is caught", (0,)),
+        Event(4, "Prey 1 crashes", (1,)),
+        Event(5, "Prey 2 and 3 reach the target", (2, 3)),
+        Event(6, "Predator 4 crashes", (10,)),
     ]
     assert outcome(recording) == "After 8 s, of 6 prey: 2 arrived, 1 captured, 1 crashed and 2 alive."
 
@@ -37,7 +39,7 @@ def test_a_captor_is_named_where_it_is_known(make):
     recording = make(prey_ends={0: (3, "captured")}, predator_ends={2: (3, "captured")})
     assert events(recording)[0].words == "Prey 0 is caught"
     recording.predators.position[:3, 2] = recording.prey.position[:3, 0] + 0.5
-    assert events(recording)[0].words == "Prey 0 is caught by predator 2"
+    assert events(recording)[0] == Event(3, "Prey 0 is caught by predator 2", (0, 8))
 
 
 def test_subtitles_follow_each_other_and_end_with_the_film(make, tmp_path):
@@ -60,3 +62,15 @@ def test_subtitles_that_cannot_be_written_leave_nothing(make, tmp_path):
     with pytest.raises(FilmError, match="cannot be written"):
         render.subtitles(make(), tmp_path / "film.vtt")
     assert [each.name for each in tmp_path.iterdir()] == ["film.vtt"]
+
+
+def test_a_story_tells_each_event_for_as_long_as_it_takes_to_read(make):
+    """One line at a time, so that nothing overlaps; only of one recording."""
+    recording = make(ticks=90, prey_ends={0: (20, "captured"), 1: (24, "crashed"), 2: (70, "arrived")})
+    stage = Composition(recording, (640, 360), Look(story=True), yuv=False)
+    shown = {time: len(stage._happening(float(time))) for time in (10, 20.5, 25, 44, 60, 71, 88)}
+    assert [time for time, shapes in shown.items() if not shapes] == [10, 60]
+    assert shown[25] > shown[20.5]  # both, once both have happened
+    assert stage.length(30) > Composition(recording, (640, 360), Look(), yuv=False).length(30)
+    with pytest.raises(ValueError, match="story: needs one recording"):
+        Composition([recording, recording], (640, 360), Look(story=True), yuv=False)

@@ -89,6 +89,9 @@ def film(
         typer.Option("--chart", metavar="A,B", help="Chart alive, polarisation, ...; none. Where space is left when left out."),
     ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
+    story: Annotated[
+        bool, typer.Option("--story", help="Tell what happens in words, number who took part, and slow down around captures.")
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -103,7 +106,8 @@ def film(
     use = _use(purpose)
     overlays = tuple(name for name in names(overlay) if name != "field")
     theme = theme or (use.theme if use else "dark")
-    look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays, "slow": slow}
+    look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
+    look |= {"slow": slow, "story": story}
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
     pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
@@ -132,8 +136,9 @@ def film(
     else:
         start(seed, threads, precision, strategy_path)
         subject, name = chosen(source, sets, trial, seed, grid, versus)
-    if subtitles is not None and (isinstance(subject, list) or is_live(subject)):
-        raise WrongInput("--subtitles: needs one recorded trial; film one, of few agents")
+    for option, wanted in (("--subtitles", subtitles is not None), ("--story", story)):
+        if wanted and (isinstance(subject, list) or is_live(subject)):
+            raise WrongInput(f"{option}: needs one recorded trial; film one, of few agents")
     look["speed"] = speed if speed is not None else max(10.0, longest(subject) / use.seconds) if use else 10.0
     if subtitles is not None:
         render.subtitles(subject, subtitles, rate or render.check_film(planned, pixels, rate, quality)[1], **look)
