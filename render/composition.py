@@ -1,11 +1,12 @@
 """Composition: one subject, or several side by side, on one canvas, with their cameras and captions."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from render.captions.caption import counters, notes
+from render.captions.cards import Cards
 from render.captions.layout import Box, layout, unit_of
 from render.captions.mosaic import Heading, Mosaic, cells, labels_of
 from render.captions.panel import Panel
@@ -21,6 +22,7 @@ from render.scene.rigs import Rig, View, apparent, bounds, heights, rig
 from render.scene.scene import Scene
 from render.scene.turned import gains, turned, turned_field
 from render.source import Live
+from render.story import CLOSING, OPENING
 from render.style import Look
 from render.timeline import Rate, length, times
 from tiswarm.records.recording import Recording
@@ -33,6 +35,17 @@ STRAY, STRAY_TOGETHER = 0.2, 0.02
 """How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared.
 
 Starts are always shown."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """What a frame of a film shows: a time [ticks], and a card that came `age` and goes `left` seconds from then."""
+
+    time: float
+    card: str = ""
+    age: float = 0.0
+    left: float = 0.0
+
 
 Subject = Recording | Live | Sequence[Recording | Live]
 
@@ -85,6 +98,7 @@ class Composition:
         self._letters: np.ndarray | None = None
         self._unit = unit_of(size)
         self._told = self._story()
+        self._cards = Cards(self.scene, size, self._unit, self._atlas, counters(self.scene) if alone else [], note)
         self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
@@ -111,14 +125,31 @@ class Composition:
         """Give the frames' times [ticks]; several subjects end with the longest."""
         return times(self.scene.paths, self._look.speed, fps, slow=self._look.slowed)
 
+    def shots(self, fps: Rate) -> Iterator[Shot]:
+        """Give the frames: the time [ticks] of each, and of cards their name, and for how long they are and will be there."""
+        before, after = (round(seconds * float(fps)) if self._look.cards else 0 for seconds in (OPENING, CLOSING))
+        for n in range(before):
+            yield Shot(0.0, "opening", n / float(fps), (before - n) / float(fps))
+        time = 0.0
+        for time in self.times(fps):
+            yield Shot(time)
+        for n in range(after):
+            yield Shot(time, "closing", n / float(fps), (after - n) / float(fps))
+
     def length(self, fps: Rate) -> int:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
-        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slowed)
+        cards = sum(round(seconds * float(fps)) for seconds in (OPENING, CLOSING)) if self._look.cards else 0
+        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slowed) + cards
 
-    def frame(self, time: float, out: Framebuffer) -> np.ndarray:
-        """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
+    def shot(self, shot: Shot, out: Framebuffer) -> np.ndarray:
+        """Draw a frame, with the card that is there."""
+        card = self._cards.frame(shot.card, shot.age, shot.left) if shot.card else NONE
+        return self.frame(shot.time, out, self._in_frame(card))
+
+    def frame(self, time: float, out: Framebuffer, above: np.ndarray = NONE) -> np.ndarray:
+        """Draw the frame of a time [ticks] on a plate that the canvas allocated, and shapes above it; return its bytes."""
         moving = self.scene.frame(time, self._camera(time), self._windows)
-        shapes = np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time)])
+        shapes = np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time), above])
         if self._still:
             return self.canvas.draw(shapes, self._windows, out)
         return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)

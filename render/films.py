@@ -76,9 +76,9 @@ def film(
     stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
     done, total = 0, stage.length(rate)
     with encoder(target, size, rate, form, _notes(stage), stage.canvas.blank) as reel:
-        for time in stage.times(rate):
+        for each in stage.shots(rate):
             plate = reel.blank()
-            stage.frame(time, plate)
+            stage.shot(each, plate)
             reel.put(plate)
             done += 1
             if progress:
@@ -128,7 +128,7 @@ def frames(
     """
     checked_size(size, even=False)
     stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
-    return (_image(stage, time, size) for time in stage.times(fps))
+    return (stage.shot(each, stage.canvas.blank()).reshape(size[1], size[0], 3) for each in stage.shots(fps))
 
 
 def poster(

@@ -18,6 +18,9 @@ from tiswarm.space import box
 from tiswarm.system.files import replacing
 from tiswarm.system.words import grouped, listed, reason
 
+OPENING, CLOSING = 1.5, 2.0
+"""How long a film's cards stay [s of film]."""
+
 READING, TOGETHER = 2.5, 1.2
 """How long a line rests, and how close lines follow each other before they are told at once [s of film]."""
 
@@ -104,9 +107,10 @@ def subtitles(recording: Recording, path: str | os.PathLike, fps: Rate = 60, **l
     """
     style, target = look_of(look), Path(path)
     shown = list(times(Trajectories([recording]), style.speed, fps, slow=style.slowed))
-    happened = [(bisect_left(shown, each.tick) / float(fps), each.words + ".") for each in events(recording)]
-    last = len(shown) / float(fps)
-    cues = _cues([(0.0, recording.scenario.title + "."), *happened, (last - HOLD, outcome(recording))], last)
+    begin, more = (OPENING, CLOSING) if style.cards else (0.0, 0.0)
+    happened = [(begin + bisect_left(shown, each.tick) / float(fps), each.words + ".") for each in events(recording)]
+    last = begin + len(shown) / float(fps)
+    cues = _cues([(0.0, recording.scenario.title + "."), *happened, (last - HOLD, outcome(recording))], last + more)
     lines = [f"{_stamp(start)} --> {_stamp(end)}\n{words}\n" for start, end, words in cues]
     try:
         with replacing(target) as part:

@@ -45,6 +45,7 @@ class Look:
         "orbit" (around the world; what 3-D recordings have for "fit"), or a box ((x0, y0), (x1, y1)) [m].
     overlay: any of OVERLAYS.
     slow: slow motion around captures.
+    cards: begin with a card of what is shown and what marks mean, and end with one of how it ended.
     story: tell what happens in a line at the stage's foot, and slow down around captures; for one recording.
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
@@ -59,6 +60,7 @@ class Look:
     overlay: tuple[str, ...] = ()
     slow: bool = False
     story: bool = False
+    cards: bool = False
     chart: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:

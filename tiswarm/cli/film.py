@@ -92,6 +92,7 @@ def film(
     story: Annotated[
         bool, typer.Option("--story", help="Tell what happens in words, number who took part, and slow down around captures.")
     ] = False,
+    cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -107,7 +108,7 @@ def film(
     overlays = tuple(name for name in names(overlay) if name != "field")
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
-    look |= {"slow": slow, "story": story}
+    look |= {"slow": slow, "story": story, "cards": cards}
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
     pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
@@ -179,6 +180,7 @@ def demo(
     size: Size = "1280x720",
     fps: Fps = None,
     theme: Theme = "dark",
+    cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
     seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Another seed than the showcase's.")] = None,
     threads: Threads = None,
     precision: Precision = "f32",
@@ -197,7 +199,7 @@ def demo(
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
     subject = played(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(subject, path, pixels, rate, quiet, theme=theme)
+    _film(subject, path, pixels, rate, quiet, theme=theme, cards=cards)
 
 
 def _film(subject: Any, path: Path, size: tuple[int, int], rate: Fraction | None, quiet: bool, **look: Any) -> None:
