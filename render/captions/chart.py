@@ -19,8 +19,11 @@ from tiswarm.system.words import grouped
 NAME, LEVEL = 15, 13
 """Sizes of a chart's name and of the numbers at its sides."""
 
-LEAST, MOST, BETWEEN = 78, 150, 14
+LEAST, MOST, BETWEEN = 64, 150, 14
 """Height of a chart, at least and at most, and the gap between two [units of type]."""
+
+AROUND = 48
+"""Room above and below charts in a strip [units of type]."""
 
 KNOTS = 300
 """Points of a line, at most: more cannot be told apart."""
@@ -127,5 +130,5 @@ class Charts(Caption):
 
 
 def height_for(count: int) -> float:
-    """Give the height of so many charts [units of type]."""
-    return count * (LEAST + 12 + BETWEEN)
+    """Give the height that a strip needs for so many charts, with room around them [units of type]."""
+    return count * (LEAST + BETWEEN) + AROUND if count else 0.0

@@ -166,4 +166,4 @@ def height_of(scene: Scene, found: list[Counter], note: str) -> Callable[[float,
 def charted_in(scene: Scene, left: float) -> bool:
     """Tell whether what is left of a strip [units of type] has room for a chart that is wanted, or worth it."""
     names = chartable(scene) if scene.look.chart is None else scene.look.chart
-    return bool(names) and isinstance(scene.subjects[0], Recording) and left >= height_for(1)
+    return bool(names) and isinstance(scene.subjects[0], Recording) and left >= height_for(1) - 1e-6

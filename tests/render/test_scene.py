@@ -185,7 +185,7 @@ def test_a_wide_world_fills_a_wide_frame(make, size):
 
 
 def test_whoever_leaves_the_world_stays_in_the_picture(make):
-    stage = Composition(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
+    stage = Composition(make(ticks=15, predators=12), (1280, 720), Look(), yuv=False)
     recording, held, box = stage.scene.subjects[0], stage.rigs[0], stage.boxes[0]
     spots = np.concatenate([held.at(0.0).place(each.position).reshape(-1, 2) for each in (recording.prey, recording.predators)])
     assert (spots > (box.left, box.top)).all()

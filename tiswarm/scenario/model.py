@@ -239,7 +239,7 @@ class Scenario(Part):
     """A whole scenario: everything that a trial needs but its seed and number."""
 
     preset: str = ""  # what it was loaded from; a file's name without its folder
-    template: str = Field("Untitled", alias="title")  # what it is, in a line that may count: see `words.titled`
+    template: str = Field("Untitled", alias="title", description="what it is, in a line that may count its agents")
     source: str = ""  # where it comes from
     words: Words = Words()
     film: Film = Film()
