@@ -81,12 +81,14 @@ class Composition:
         self.is_live = not all(isinstance(each, Recording) for each in subjects)
         if look.slowed and self.is_live:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
+        if look.loop and self.is_live:
+            raise ValueError("loop: a live simulation does not know its end beforehand; record it first")
         note = notes(subjects[0])
         upright = look.camera == "fit" and gains(size, subjects)
         if upright:
             field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
             subjects = [turned(each) for each in subjects]
-        self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
+        self.look, self._backdrop, self._field = look, look.colours["backdrop"], field
         self._atlas = Atlas(look.colours.type_weight)
         self.caption: Panel | Mosaic | None = None
         if alone:
@@ -123,11 +125,11 @@ class Composition:
 
     def times(self, fps: Rate) -> Iterator[float]:
         """Give the frames' times [ticks]; several subjects end with the longest."""
-        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slowed)
+        return times(self.scene.paths, self.look.speed, fps, slow=self.look.slowed)
 
     def shots(self, fps: Rate) -> Iterator[Shot]:
         """Give the frames: the time [ticks] of each, and of cards their name, and for how long they are and will be there."""
-        before, after = (round(seconds * float(fps)) if self._look.cards else 0 for seconds in (OPENING, CLOSING))
+        before, after = (round(seconds * float(fps)) if self.look.cards else 0 for seconds in (OPENING, CLOSING))
         for n in range(before):
             yield Shot(0.0, "opening", n / float(fps), (before - n) / float(fps))
         time = 0.0
@@ -138,8 +140,8 @@ class Composition:
 
     def length(self, fps: Rate) -> int:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
-        cards = sum(round(seconds * float(fps)) for seconds in (OPENING, CLOSING)) if self._look.cards else 0
-        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slowed) + cards
+        cards = sum(round(seconds * float(fps)) for seconds in (OPENING, CLOSING)) if self.look.cards else 0
+        return length(self.scene.paths, self.look.speed, fps, slow=self.look.slowed) + cards
 
     def shot(self, shot: Shot, out: Framebuffer) -> np.ndarray:
         """Draw a frame, with the card that is there."""
@@ -166,7 +168,7 @@ class Composition:
     def _lettered(self, time: float) -> np.ndarray:
         """Write on the stages: names of areas, and on the last stage the scale, which all share."""
         if self._letters is None or not self._still:
-            theme, unit, rows = self._look.colours, self.scene.unit, [NONE]
+            theme, unit, rows = self.look.colours, self.scene.unit, [NONE]
             for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
                 rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time)))
                 rows[-1][:, WINDOW] = len(self.boxes) + n
@@ -193,7 +195,7 @@ class Composition:
             endless = not isinstance(images[0], Orbit) and subject.scenario.world.boundary == "open"
             seen = self._windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
-            grounds.append(background.ground(subject, self._look.colours, unit, images, seen, self._field))
+            grounds.append(background.ground(subject, self.look.colours, unit, images, seen, self._field))
             grounds[-1][:, WINDOW] = window
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
 
@@ -212,18 +214,18 @@ class Composition:
         return images
 
     def _single(self, subject: Recording | Live, size: tuple[int, int], note: str) -> None:
-        self.scene = Scene([subject], self._look, unit_of(size), self._atlas)
+        self.scene = Scene([subject], self.look, unit_of(size), self._atlas)
         view, found = self._view(STRAY), counters(self.scene)
         plan = layout(size, apparent(self.scene.paths, view), height_of(self.scene, found, note))
         self.boxes = [plan.stage]
-        self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
+        self.rigs = [rig(self.look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
             self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found, note)
 
     def _story(self) -> Told | None:
         """Tell what happens, where that was asked for and is known beforehand."""
         alone = len(self.scene.subjects) == 1 and isinstance(self.scene.subjects[0], Recording)
-        if not self._look.story:
+        if not self.look.story:
             return None
         if not alone:
             raise ValueError("story: needs one recording; film one, of few agents")
@@ -233,10 +235,10 @@ class Composition:
         unit = unit_of(size)
         rough = cells(size, len(subjects), _extent(subjects[0]), 0.0)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
+        self.scene = Scene(subjects, self.look, small, self._atlas, knots=1)
         view, head = self._view(STRAY_TOGETHER), Heading(self.scene, size, unit)
         self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), head.height)
-        self.rigs = [rig(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
+        self.rigs = [rig(self.look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
         self.caption = Mosaic(self.scene, self.boxes, labels, head, self._atlas)
 
     def _view(self, stray: float) -> View:

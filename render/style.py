@@ -46,6 +46,7 @@ class Look:
     overlay: any of OVERLAYS.
     slow: slow motion around captures.
     cards: begin with a card of what is shown and what marks mean, and end with one of how it ended.
+    loop: let the end run into the beginning, for films that are shown again and again; such a film has no cards.
     story: tell what happens in a line at the stage's foot, and slow down around captures; for one recording.
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
@@ -61,6 +62,7 @@ class Look:
     slow: bool = False
     story: bool = False
     cards: bool = False
+    loop: bool = False
     chart: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -72,6 +74,8 @@ class Look:
         for name in self.overlay:
             if name not in OVERLAYS:
                 raise ValueError(f"overlay: unknown {name!r}; use any of {', '.join(OVERLAYS)}")
+        if self.loop and self.cards:
+            raise ValueError("loop: a loop has no beginning for a card; leave out the cards")
         for name in self.chart or ():
             if name not in CHARTS:
                 raise ValueError(f"chart: unknown {name!r}; use any of {', '.join(CHARTS)}")

@@ -48,7 +48,9 @@ def film(
     best: Annotated[bool, typer.Option("--best", help="With a manifest: the cell's trial with the best outcome.")] = False,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="The film: .mp4, .webm or .gif; out/NAME-TRIAL.mp4 when left out."),
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="The film: .mp4, .webm, .gif or .webp; out/NAME-TRIAL.mp4 by default."
+        ),
     ] = None,
     grid: Annotated[
         str | None, typer.Option("--grid", metavar="CxR", help="Film C x R trials at once, from --trial on.")
@@ -93,6 +95,9 @@ def film(
         bool, typer.Option("--story", help="Tell what happens in words, number who took part, and slow down around captures.")
     ] = False,
     cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
+    loop: Annotated[
+        bool, typer.Option("--loop", help="Let the end run into the beginning, to be shown again and again; without cards.")
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -108,7 +113,7 @@ def film(
     overlays = tuple(name for name in names(overlay) if name != "field")
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
-    look |= {"slow": slow, "story": story, "cards": cards}
+    look |= {"slow": slow, "story": story, "cards": cards and not loop, "loop": loop}
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
     pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
