@@ -44,6 +44,7 @@ class Look:
     camera: "fit" (the world and all that moves), "follow" (the prey's centre), "follow:3" (agent 3, prey first),
         "orbit" (around the world; what 3-D recordings have for "fit"), or a box ((x0, y0), (x1, y1)) [m].
     overlay: any of OVERLAYS.
+    label: numbers of agents, prey first, that are written beside them.
     slow: slow motion around captures.
     cards: begin with a card of what is shown and what marks mean, and end with one of how it ended.
     loop: let the end run into the beginning, for films that are shown again and again; such a film has no cards.
@@ -59,6 +60,7 @@ class Look:
     trail: float = 2.5
     camera: str | Corners = "fit"
     overlay: tuple[str, ...] = ()
+    label: tuple[int, ...] = ()
     slow: bool = False
     story: bool = False
     cards: bool = False
@@ -74,6 +76,8 @@ class Look:
         for name in self.overlay:
             if name not in OVERLAYS:
                 raise ValueError(f"overlay: unknown {name!r}; use any of {', '.join(OVERLAYS)}")
+        if any(number < 0 for number in self.label):
+            raise ValueError(f"label: {self.label} is not possible; use agents' numbers, from 0 on, prey first")
         if self.loop and self.cards:
             raise ValueError("loop: a loop has no beginning for a card; leave out the cards")
         for name in self.chart or ():

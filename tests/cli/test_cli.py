@@ -115,6 +115,7 @@ def test_bench_writes_rows_a_manifest_and_charts(tmp_path):
         (("film", "delft/pronav-10", "--versus", "evasive"), "two prey strategies"),
         (("film", "delft/pronav-10", "--versus", "evasive,explod"), "did you mean 'explode'?"),
         (("film", "delft/pronav-10", "--for", "cinema"), "--for: unknown 'cinema'; use one of slide, square, phone, paper"),
+        (("film", "delft/pronav-10", "--label", "a"), "--label a: write agents' numbers"),
         (("film", "delft/pronav-10", "--chart", "beauty"), "chart: unknown 'beauty'; use any of alive"),
         (("film", "delft/pronav-10", "--subtitles", "x.srt"), "name a file that ends in .vtt"),
         (("film", "delft/pronav-10", "--subtitles", "x.vtt", "--grid", "2x1"), "--subtitles: needs one recorded trial"),

@@ -86,6 +86,9 @@ def film(
     overlay: Annotated[
         str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field.")
     ] = "",
+    label: Annotated[
+        str, typer.Option("--label", metavar="K,L", help="Write the numbers of these agents beside them, prey first.")
+    ] = "",
     chart: Annotated[
         str | None,
         typer.Option("--chart", metavar="A,B", help="Chart alive, polarisation, ...; none. Where space is left when left out."),
@@ -113,6 +116,7 @@ def film(
     overlays = tuple(name for name in names(overlay) if name != "field")
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
+    look["label"] = _numbers(label)
     look |= {"slow": slow, "story": story, "cards": cards and not loop, "loop": loop}
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
@@ -164,6 +168,13 @@ def _use(name: str | None) -> Any:
     if name is not None and name not in render.USES:
         raise WrongInput(f"--for: unknown {name!r}; use one of {', '.join(render.USES)}")
     return render.USES[name] if name else None
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    """Read the numbers of agents."""
+    if not all(name.isdecimal() for name in names(text)):
+        raise WrongInput(f"--label {text}: write agents' numbers, for example --label 3,7")
+    return tuple(int(name) for name in names(text))
 
 
 def _camera(text: str) -> Any:
