@@ -6,8 +6,8 @@ from typing import Any, get_args
 from render.theme import Theme, theme_named
 from tiswarm.scenario.measures import Shown
 
-OVERLAYS = ("perception", "velocity", "links", "density", "coverage")
-"""Perception circles, velocity lines, lines between neighbours, a heat map of agents, cleaned ground."""
+OVERLAYS = ("perception", "velocity", "links", "density", "coverage", "pursuit")
+"""Perception circles, velocity lines, lines between neighbours, a heat map of agents, cleaned ground, whom predators chase."""
 
 
 CHARTS = ("alive", *get_args(Shown))

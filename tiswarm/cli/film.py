@@ -84,7 +84,8 @@ def film(
         str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
     ] = "fit",
     overlay: Annotated[
-        str, typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field.")
+        str,
+        typer.Option("--overlay", metavar="A,B", help="perception, velocity, links, pursuit, density, coverage, field."),
     ] = "",
     label: Annotated[
         str, typer.Option("--label", metavar="K,L", help="Write the numbers of these agents beside them, prey first.")
