@@ -118,7 +118,7 @@ class Scene:
         ink, thick, size = self.theme["ink"], max(1.4 * self.unit, 1.0), max(round(LABEL * self.unit), LEAST)
         rows = [self._cut(rings(here.centre[ringed], 3.2 * reach[ringed], thick, ink, 0.9), here.who[ringed])]
         for row in np.flatnonzero(np.isin(here.who, list(self._named))):
-            x, y = here.centre[row] + (1.8, -1.2) * reach[row]
+            x, y = here.centre[row] + np.array((1.8, -1.2)) * reach[row]
             words = self._atlas.line(self._named[int(here.who[row])], (x, y), size, ink)
             rows.append(self._cut(words, np.repeat(here.who[row], len(words))))
         return np.concatenate(rows)
