@@ -13,7 +13,7 @@ from tiswarm.system.words import grouped
 FADE = 0.25
 """How long a card comes or goes [s of film]."""
 
-VEIL = 0.88
+VEIL = 0.96
 """Opacity of the card, through which its film is seen."""
 
 TITLES, NOTE, WHO, KEY, NUMBER = (54, 46, 40, 34, 28, 24), 19, 24, 20, 54
@@ -57,11 +57,12 @@ class Cards(Caption):
         return self._stacked(lines)
 
     def _closing(self) -> np.ndarray:
-        scenario = self._scene.subjects[0].scenario
-        time = self._scene.paths.last * scenario.world.dt
-        noun = f"{grouped(self._scene.paths.prey)} {scenario.words.noun('prey', self._scene.paths.prey)}"
+        scenario, paths = self._scene.subjects[0].scenario, self._scene.paths
+        paths.reach(paths.last)  # from there all ends are known
+        time = paths.last * scenario.world.dt
+        noun = f"{grouped(paths.prey)} {scenario.words.noun('prey', paths.prey)}"
         words = f"{noun} after {time:.0f} s"
-        counts = [(each.text(self._scene.paths.last), each.unit, each.name, each.sign) for each in self._found]
+        counts = [(each.text(paths.last), each.unit, each.name, each.sign) for each in self._found]
         counts = counts or self._totals()
         size = NUMBER
         while size > 20 and sum(self._room(each, size) for each in counts) > SHARE * self._size[0]:

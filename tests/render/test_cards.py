@@ -32,6 +32,13 @@ def test_a_film_begins_and_ends_with_its_cards_at_their_fullest_and_they_come_an
     assert (steps >= -0.3).all()
 
 
+def test_the_last_card_knows_how_it_ended_even_if_nothing_was_drawn_before(chase):
+    filmed = stage(chase, cards=True)
+    filmed._cards.frame("closing", 1.0, 1.0)
+    counts = {each.name: each.text(8) for each in filmed._cards._found}
+    assert counts == {"alive": "3", "arrived": "1", "captured": "1", "crashed": "1", "predators": "3"}
+
+
 @pytest.mark.parametrize("size", [(640, 360), (360, 640), (320, 180), (400, 400)])
 @pytest.mark.parametrize("count", [1, 3])
 def test_what_cards_say_stays_inside_the_frame(chase, size, count):
