@@ -16,7 +16,7 @@ FADE = 0.25
 VEIL = 0.96
 """Opacity of the card, through which its film is seen."""
 
-TITLES, NOTE, WHO, KEY, NUMBER = (54, 46, 40, 34, 28, 24), 19, 24, 20, 54
+TITLES, NOTE, WHO, KEY, HEAD, NUMBER = (54, 46, 40, 34, 28, 24), 19, 24, 20, 30, 54
 """Sizes of words."""
 
 SHARE = 0.84
@@ -64,10 +64,10 @@ class Cards(Caption):
         words = f"{noun} after {time:.0f} s"
         counts = [(each.text(paths.last), each.unit, each.name, each.sign) for each in self._found]
         counts = counts or self._totals()
-        size = NUMBER
-        while size > 20 and sum(self._room(each, size) for each in counts) > SHARE * self._size[0]:
-            size -= 2
-        return self._stacked([(44, self._centred(words, 28, "ink")), (24, NONE), (1.3 * size, self._counts(counts, size))])
+        wide = sum(self._room(each, NUMBER) for each in counts)
+        rows = [counts] if wide <= SHARE * self._size[0] else [[each] for each in counts]
+        lines = [(44.0, self._centred(words, HEAD, "ink")), (24.0, NONE)]
+        return self._stacked(lines + [(1.3 * NUMBER, self._counts(row, NUMBER)) for row in rows])
 
     def _totals(self) -> list[tuple[str, str, str, int | None]]:
         """Count what became of the prey of all subjects."""
