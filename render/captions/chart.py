@@ -122,6 +122,7 @@ class Charts(Caption):
 
     def _ends(self, time: float, plot: Box) -> np.ndarray:
         paths, unit = self._scene.paths, self._unit
+        paths.reach(time)
         gone = np.flatnonzero(paths.is_prey & (paths.end <= time) & (paths.fate != ALIVE))
         x = plot.left + plot.width * paths.end[gone] / max(paths.last, 1)
         low = np.stack([x - 0.9 * unit, np.full(len(gone), plot.bottom - 7 * unit)], axis=1)

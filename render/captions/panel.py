@@ -45,8 +45,8 @@ class Panel(Caption):
             base = self._numbers_top + (n * ROW + 24) * self._unit
             self._named(counter, self._box.left, base)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
-        top = self._numbers_top + (len(self._counters) * ROW + 26) * self._unit
-        self._chart(Box(self._box.left, top, self._box.right, self._box.bottom - (CLOCK + 32) * self._unit))
+        top = self._numbers_top + (len(self._counters) * ROW + 12) * self._unit
+        self._chart(Box(self._box.left, top, self._box.right, self._box.bottom - (CLOCK + 16) * self._unit))
 
     def _chart(self, box: Box) -> None:
         """Fill what is left of the caption with charts."""
