@@ -18,6 +18,8 @@ _HOMES = {
     "QUALITIES": "encoder",
     "Look": "style",
     "OVERLAYS": "style",
+    "USES": "style",
+    "subtitles": "story",
     "Theme": "theme",
     "THEMES": "theme",
 }
@@ -26,6 +28,7 @@ __all__ = [
     "OVERLAYS",
     "QUALITIES",
     "THEMES",
+    "USES",
     "Field",
     "Film",
     "FilmError",
@@ -39,6 +42,7 @@ __all__ = [
     "poster",
     "replay",
     "sheet",
+    "subtitles",
 ]
 
 if TYPE_CHECKING:
@@ -47,7 +51,8 @@ if TYPE_CHECKING:
     from render.page.document import replay
     from render.scene.background import Field
     from render.source import Live
-    from render.style import OVERLAYS, Look
+    from render.story import subtitles
+    from render.style import OVERLAYS, USES, Look
     from render.theme import THEMES, Theme
 
 

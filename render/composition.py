@@ -1,24 +1,28 @@
 """Composition: one subject, or several side by side, on one canvas, with their cameras and captions."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from render.captions.caption import counters
-from render.captions.layout import Box, layout
-from render.captions.mosaic import Mosaic, beside, cells, labels_of
+from render.captions.caption import counters, notes
+from render.captions.cards import Cards
+from render.captions.layout import Box, layout, unit_of
+from render.captions.mosaic import Heading, Mosaic, cells, labels_of
 from render.captions.panel import Panel
-from render.captions.strip import Strip
+from render.captions.strip import Strip, height_of
+from render.captions.told import Told
 from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW
-from render.scene import background
+from render.scene import background, lettering
 from render.scene.background import Field
 from render.scene.camera import Camera, Orbit, joint
-from render.scene.rigs import Rig, View, apparent, bounds, fitted, heights, rig
+from render.scene.rigs import Rig, View, apparent, bounds, heights, rig
 from render.scene.scene import Scene
-from render.source import Live, is_sky
+from render.scene.turned import gains, turned, turned_field
+from render.source import Live
+from render.story import CLOSING, OPENING
 from render.style import Look
 from render.timeline import Rate, length, times
 from tiswarm.records.recording import Recording
@@ -27,10 +31,21 @@ from tiswarm.space import box
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
 
-STRAY, STRAY_TOGETHER = 0.5, 0.04
+STRAY, STRAY_TOGETHER = 0.2, 0.02
 """How far from the world a camera goes along with who strays [share of the world's size]: less where space is shared.
 
 Starts are always shown."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """What a frame of a film shows: a time [ticks], and a card that came `age` and goes `left` seconds from then."""
+
+    time: float
+    card: str = ""
+    age: float = 0.0
+    left: float = 0.0
+
 
 Subject = Recording | Live | Sequence[Recording | Live]
 
@@ -57,23 +72,35 @@ class Composition:
         """
         from render.raster.canvas import Canvas
 
+        alone = isinstance(subject, Recording | Live)
         subjects = [subject] if isinstance(subject, Recording | Live) else list(subject)
         if not subjects:
             raise ValueError("recordings: there are none; give one or more")
         if labels is not None and len(labels) != len(subjects):
             raise ValueError(f"labels: {len(labels)} do not fit {len(subjects)} recordings; give one each")
         self.is_live = not all(isinstance(each, Recording) for each in subjects)
-        if look.slow and self.is_live:
+        if look.slowed and self.is_live:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
-        self._look, self._backdrop, self._field = look, look.colours["backdrop"], field
+        if look.loop and self.is_live:
+            raise ValueError("loop: a live simulation does not know its end beforehand; record it first")
+        note = notes(subjects[0])
+        upright = look.camera == "fit" and gains(size, subjects)
+        if upright:
+            field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
+            subjects = [turned(each) for each in subjects]
+        self.look, self._backdrop, self._field = look, look.colours["backdrop"], field
         self._atlas = Atlas(look.colours.type_weight)
         self.caption: Panel | Mosaic | None = None
-        if isinstance(subject, Recording | Live):
-            self._single(subject, size)
+        if alone:
+            self._single(subjects[0], size, note)
         else:
             self._several(subjects, size, labels or labels_of(subjects))
         self._still = all(each.still for each in self.rigs)
         self._joint: Camera | None = None
+        self._letters: np.ndarray | None = None
+        self._unit = unit_of(size)
+        self._told = self._story()
+        self._cards = Cards(self.scene, size, self._unit, self._atlas, counters(self.scene) if alone else [], note)
         self._windows = self._cuts(size)
         self.canvas = Canvas(size, self._atlas, yuv=yuv)
         if self._still:
@@ -98,15 +125,33 @@ class Composition:
 
     def times(self, fps: Rate) -> Iterator[float]:
         """Give the frames' times [ticks]; several subjects end with the longest."""
-        return times(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+        return times(self.scene.paths, self.look.speed, fps, slow=self.look.slowed)
+
+    def shots(self, fps: Rate) -> Iterator[Shot]:
+        """Give the frames: the time [ticks] of each, and of cards their name, and for how long they are and will be there."""
+        before, after = (round(seconds * float(fps)) if self.look.cards else 0 for seconds in (OPENING, CLOSING))
+        for n in range(before):
+            yield Shot(0.0, "opening", n / float(fps), (before - n) / float(fps))
+        time = 0.0
+        for time in self.times(fps):
+            yield Shot(time)
+        for n in range(after):
+            yield Shot(time, "closing", n / float(fps), (after - n) / float(fps))
 
     def length(self, fps: Rate) -> int:
         """Count the frames: of a live simulation, which may end early, the most there can be."""
-        return length(self.scene.paths, self._look.speed, fps, slow=self._look.slow)
+        cards = sum(round(seconds * float(fps)) for seconds in (OPENING, CLOSING)) if self.look.cards else 0
+        return length(self.scene.paths, self.look.speed, fps, slow=self.look.slowed) + cards
 
-    def frame(self, time: float, out: Framebuffer) -> np.ndarray:
-        """Draw the frame of a time [ticks] on a plate that the canvas allocated; return its bytes."""
-        shapes = np.concatenate([self.scene.frame(time, self._camera(time), self._windows), self._captioned(time)])
+    def shot(self, shot: Shot, out: Framebuffer) -> np.ndarray:
+        """Draw a frame, with the card that is there."""
+        card = self._cards.frame(shot.card, shot.age, shot.left) if shot.card else NONE
+        return self.frame(shot.time, out, self._in_frame(card))
+
+    def frame(self, time: float, out: Framebuffer, above: np.ndarray = NONE) -> np.ndarray:
+        """Draw the frame of a time [ticks] on a plate that the canvas allocated, and shapes above it; return its bytes."""
+        moving = self.scene.frame(time, self._camera(time), self._windows)
+        shapes = np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time), above])
         if self._still:
             return self.canvas.draw(shapes, self._windows, out)
         return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
@@ -120,6 +165,23 @@ class Composition:
     def _captioned(self, time: float) -> np.ndarray:
         return self._in_frame(self.caption.frame(time)) if self.caption else NONE
 
+    def _lettered(self, time: float) -> np.ndarray:
+        """Write on the stages: names of areas, and on the last stage the scale, which all share."""
+        if self._letters is None or not self._still:
+            theme, unit, rows = self.look.colours, self.scene.unit, [NONE]
+            for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
+                rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time)))
+                rows[-1][:, WINDOW] = len(self.boxes) + n
+            if self.caption and self.caption.shown:
+                edges = self._windows[-2]
+                rows.append(lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time)))
+                rows[-1][:, WINDOW] = 2 * len(self.boxes)
+            self._letters = np.concatenate(rows)
+        return self._letters
+
+    def _happening(self, time: float) -> np.ndarray:
+        return self._in_frame(self._told.frame(time, self.rigs[0].at(time))) if self._told else NONE
+
     def _in_frame(self, rows: np.ndarray) -> np.ndarray:
         rows[:, WINDOW] = 2 * len(self.boxes)
         return rows
@@ -130,10 +192,10 @@ class Composition:
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             window = len(self.boxes) + n
             images = self._images(subject, held, time, self._windows[window])
-            endless = len(images) > 1 or (not held.still and is_sky(subject) and not isinstance(images[0], Orbit))
-            box = self._windows[window] if endless else None
+            endless = not isinstance(images[0], Orbit) and subject.scenario.world.boundary == "open"
+            seen = self._windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
-            grounds.append(background.ground(subject, self._look.colours, self._atlas, unit, images, box, self._field))
+            grounds.append(background.ground(subject, self.look.colours, unit, images, seen, self._field))
             grounds[-1][:, WINDOW] = window
         return np.concatenate([*grounds, self._in_frame(self.caption.ground()) if self.caption else NONE])
 
@@ -151,28 +213,33 @@ class Composition:
                 images.append(moved)
         return images
 
-    def _single(self, subject: Recording | Live, size: tuple[int, int]) -> None:
-        unit = layout(size, _extent(subject)).unit
-        self.scene = Scene([subject], self._look, unit, self._atlas)
-        view = self._view(STRAY)
-        plan = layout(size, apparent(self.scene.paths, view), len(counters(self.scene)))
+    def _single(self, subject: Recording | Live, size: tuple[int, int], note: str) -> None:
+        self.scene = Scene([subject], self.look, unit_of(size), self._atlas)
+        view, found = self._view(STRAY), counters(self.scene)
+        plan = layout(size, apparent(self.scene.paths, view), height_of(self.scene, found, note))
         self.boxes = [plan.stage]
-        self.rigs = [rig(self._look, self.scene.paths, 0, view, plan.stage)]
+        self.rigs = [rig(self.look, self.scene.paths, 0, view, plan.stage)]
         if plan.panel:
-            self.caption = (Strip if plan.form == "strip" else Panel)(self.scene, plan, self._atlas)
+            self.caption = (Strip if plan.form == "below" else Panel)(self.scene, plan, self._atlas, found, note)
+
+    def _story(self) -> Told | None:
+        """Tell what happens, where that was asked for and is known beforehand."""
+        alone = len(self.scene.subjects) == 1 and isinstance(self.scene.subjects[0], Recording)
+        if not self.look.story:
+            return None
+        if not alone:
+            raise ValueError("story: needs one recording; film one, of few agents")
+        return Told(self.scene, self._atlas, self._unit, self.boxes[0]) if self.caption else None
 
     def _several(self, subjects: list[Recording | Live], size: tuple[int, int], labels: Sequence[str]) -> None:
-        unit = min(size) / 720
-        aside = beside(subjects, labels, unit)
-        rough, _ = cells(size, len(subjects), _extent(subjects[0]), unit, aside)
+        unit = unit_of(size)
+        rough = cells(size, len(subjects), _extent(subjects[0]), 0.0)
         small = unit * min(max(rough[0].width / (WIDE * unit), 0.5), 1.0)
-        self.scene = Scene(subjects, self._look, small, self._atlas, knots=1)
-        view = self._view(STRAY_TOGETHER)
-        self.boxes, left = cells(size, len(subjects), (view.reach.width, view.reach.height), unit, aside)
-        self.rigs = [rig(self._look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
-        # Labels stand right beside what is drawn, which seldom fills its cell both ways.
-        shown = [_shown(view, box, left) for box in self.boxes]
-        self.caption = Mosaic(self.scene, shown, labels, size, self._atlas, unit, aside * left)
+        self.scene = Scene(subjects, self.look, small, self._atlas, knots=1)
+        view, head = self._view(STRAY_TOGETHER), Heading(self.scene, size, unit)
+        self.boxes = cells(size, len(subjects), (view.reach.width, view.reach.height), head.height)
+        self.rigs = [rig(self.look, self.scene.paths, n, view, box) for n, box in enumerate(self.boxes)]
+        self.caption = Mosaic(self.scene, self.boxes, labels, head, self._atlas)
 
     def _view(self, stray: float) -> View:
         """Find the worlds of all subjects and whatever moves there."""
@@ -192,14 +259,3 @@ def _extent(subject: Recording | Live) -> tuple[float, float]:
 def _around(boxes: list[Box]) -> Box:
     """Give the box that holds all boxes."""
     return Box(min(b.left for b in boxes), min(b.top for b in boxes), max(b.right for b in boxes), max(b.bottom for b in boxes))
-
-
-def _shown(view: View, cell: Box, aside: bool) -> Box:
-    """Give the part of a cell that a fitted view fills: as wide as the world, as high as all that is reached.
-
-    aside: the other way round, for captions that stand on its left instead of above it.
-    """
-    across, up = (view.reach, view.world) if aside else (view.world, view.reach)
-    ends = np.array([[across.left, up.top], [across.right, up.bottom]])
-    (left, bottom), (right, top) = fitted(view, cell).place(ends)
-    return Box(float(left), float(top), float(right), float(bottom))

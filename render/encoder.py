@@ -36,6 +36,7 @@ _H264 = (("-preset", "ultrafast", "-crf", "26"), ("-preset", "veryfast", "-crf",
 _VP9 = (("8", "40"), ("5", "30"), ("2", "24"))  # effort (lower is more) and constant quality
 _GIF = (("1", "bayer:bayer_scale=5"), ("1", "bayer:bayer_scale=3"), ("1", "sierra2_4a"))
 _PNG = ("1", "6", "9")
+_WEBP = (("0", "70"), ("2", "80"), ("5", "92"))  # effort and quality
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Format:
 
 
 def format_of(path: Path, quality: str) -> Format:
-    """Choose a format by the path's suffix: .mp4, .webm, .gif, or none for a folder of PNG images.
+    """Choose a format by the path's suffix: .mp4, .webm, .gif, .webp, or none for a folder of PNG images.
 
     Errors: ValueError for another suffix or an unknown quality.
     """
@@ -84,9 +85,14 @@ def format_of(path: Path, quality: str) -> Format:
             new, dither = _GIF[level]
             palette = f"split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new={new}:dither={dither}"
             return Format(False, 25, 50, ("-filter_complex", palette, "-loop", "0", "-f", "gif"))
+        case ".webp":
+            # From RGB: WebP's own YUV is BT.601.
+            effort, kept = _WEBP[level]
+            output = ("-c:v", "libwebp_anim", "-quality", kept, "-compression_level", effort, "-pix_fmt", "bgra", "-loop", "0")
+            return Format(False, 25, 100, (*output, "-f", "webp"))
         case "":
             return Format(False, 60, 1000, ("-c:v", "png", "-compression_level", _PNG[level], "-f", "image2"), folder=True)
-    raise ValueError(f"{path}: unknown format {path.suffix!r}; use .mp4, .webm, .gif, or no suffix for a folder of PNG images")
+    raise ValueError(f"{path}: unknown format {path.suffix!r}; use .mp4, .webm, .gif, .webp, or no suffix for PNG images")
 
 
 class FilmError(RuntimeError):

@@ -12,6 +12,7 @@ import numpy as np
 
 from render.composition import Composition, Subject
 from render.encoder import FilmError, Format, encoder, find_ffmpeg, format_of
+from render.loop import drawn, faded
 from render.scene.background import Field
 from render.style import look_of
 from render.timeline import Rate
@@ -35,7 +36,7 @@ class Film(os.PathLike):
         return os.fspath(self.path)
 
     def _repr_html_(self) -> str:
-        kind = {".webm": "video/webm", ".gif": "image/gif"}.get(self.path.suffix.lower(), "video/mp4")
+        kind = {".webm": "video/webm", ".gif": "image/gif", ".webp": "image/webp"}.get(self.path.suffix.lower(), "video/mp4")
         if not self.path.is_file():
             return f"<code>{self.path}</code>"
         source = f"data:{kind};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
@@ -60,13 +61,13 @@ def film(
 
     A live simulation (see `render.live.Live`) runs while it is filmed and is not kept: memory does not grow with its length.
 
-    path: its suffix chooses the format: .mp4 (H.264), .webm (VP9), .gif, or none for a folder of PNG frames.
-    size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF;
+    path: its suffix chooses the format: .mp4 (H.264), .webm (VP9), .gif, .webp, or none for a folder of PNG frames.
+    size: width and height [px], both even for video. fps: frames per second, by default 60, or 25 in a GIF or WebP;
     29.97 and Fraction(30000, 1001) are possible.
     quality: "draft", "good" or "best".
     labels: names of several recordings, by default what tells them apart. field: arrows to draw on the ground.
     progress: called with frames done and frames in all.
-    look: theme, speed, trail, camera, overlay, slow: see Look.
+    look: theme, speed, trail, camera, overlay, slow, chart, story, cards, loop: see Look.
 
     Errors: ValueError or TypeError for a choice that is not possible; FilmError when the film cannot be written, and then
     no file is left.
@@ -74,11 +75,9 @@ def film(
     target = Path(path)
     form, rate = check_film(target, size, fps, quality)
     stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
-    done, total = 0, stage.length(rate)
+    done, total = 0, stage.length(rate) - (faded(stage, rate) if stage.look.loop else 0)
     with encoder(target, size, rate, form, _notes(stage), stage.canvas.blank) as reel:
-        for time in stage.times(rate):
-            plate = reel.blank()
-            stage.frame(time, plate)
+        for plate in drawn(stage, rate, reel.blank):
             reel.put(plate)
             done += 1
             if progress:
@@ -128,7 +127,7 @@ def frames(
     """
     checked_size(size, even=False)
     stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
-    return (_image(stage, time, size) for time in stage.times(fps))
+    return (plate.bytes.reshape(size[1], size[0], 3) for plate in drawn(stage, fps, stage.canvas.blank))
 
 
 def poster(

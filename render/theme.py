@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from render.raster.shapes import Colour, colour
+from render.raster.shapes import Colour, colour, mixed
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Theme:
     target: str
     obstacle: str
     obstacle_light: str
+    obstacle_edge: str  # outlines obstacles and walls, so that they stand off their ground
     shadow: str
     shadow_alpha: float
     arrived: str
@@ -41,6 +42,16 @@ class Theme:
         """Give a colour of the theme as linear light."""
         return colour(getattr(self, name))
 
+    @property
+    def grounds(self) -> tuple[Colour, ...]:
+        """Give what the world's floor and the sky look like, from edge to middle: marks must stand off all of them."""
+        floor = self["world"]
+        return floor, mixed(floor, self["glow"], self.glow_alpha), *(colour(each) for each in self.sky)
+
+    def label(self, hue: str) -> Colour:
+        """Give the colour of words on an area of a hue: between it and the ink, for thin strokes need more contrast."""
+        return mixed(self[hue], self["ink"], 0.45)
+
 
 DARK = Theme(
     backdrop="#0a0e15",
@@ -49,20 +60,21 @@ DARK = Theme(
     glow_alpha=0.5,
     line="#8fa3bf",
     ink="#edf1f7",
-    quiet="#8492a8",
+    quiet="#8f9db3",
     prey=("#5cc0f5", "#dd93c4", "#f2e66b", "#58d6b0"),
-    predator="#f26d2c",
-    sky=("#0b1422", "#24405f"),
+    predator="#ee5f1e",
+    sky=("#0b1422", "#1d3550"),
     alarm="#ffffff",
     target="#27c498",
     obstacle="#3d4a60",
     obstacle_light="#6d7f9c",
+    obstacle_edge="#7c8eab",
     shadow="#000000",
     shadow_alpha=0.55,
     arrived="#27c498",
-    captured="#f26d2c",
-    crashed="#f2d13e",
-    danger="#f26d2c",
+    captured="#ee5f1e",
+    crashed="#ffe45c",
+    danger="#ee5f1e",
     safe="#27c498",
     tint_alpha=0.006,
     trail_alpha=0.55,
@@ -79,21 +91,22 @@ LIGHT = Theme(
     glow_alpha=0.9,
     line="#5a6472",
     ink="#1b2430",
-    quiet="#6b7480",
-    prey=("#0072b2", "#b0508c", "#8a7a00", "#008f68"),
-    predator="#d55e00",
-    sky=("#d3e4f2", "#f6f3ea"),
+    quiet="#59626e",
+    prey=("#0072b2", "#b0508c", "#8a7a00", "#00856a"),
+    predator="#c24e00",
+    sky=("#dfecf7", "#f6f3ea"),
     alarm="#00344f",
-    target="#009e73",
+    target="#008662",
     obstacle="#a9adb5",
     obstacle_light="#d9dbdf",
+    obstacle_edge="#787d86",
     shadow="#3a3226",
     shadow_alpha=0.28,
-    arrived="#009e73",
-    captured="#d55e00",
-    crashed="#b8940b",
-    danger="#d55e00",
-    safe="#009e73",
+    arrived="#008662",
+    captured="#c24e00",
+    crashed="#3f3300",
+    danger="#c24e00",
+    safe="#008662",
     tint_alpha=0.06,
     trail_alpha=0.7,
     outline="#f8f6f1",
@@ -111,19 +124,20 @@ PRINT = Theme(
     ink="#000000",
     quiet="#555555",
     prey=("#0072b2", "#b0508c", "#7a6c00", "#007a59"),
-    predator="#d55e00",
+    predator="#c24e00",
     sky=("#ffffff", "#ffffff"),
     alarm="#00344f",
-    target="#009e73",
+    target="#008662",
     obstacle="#c8c8c8",
     obstacle_light="#e4e4e4",
+    obstacle_edge="#808080",
     shadow="#000000",
     shadow_alpha=0.0,
-    arrived="#009e73",
-    captured="#d55e00",
-    crashed="#9a7a00",
-    danger="#d55e00",
-    safe="#009e73",
+    arrived="#008662",
+    captured="#c24e00",
+    crashed="#3f3300",
+    danger="#c24e00",
+    safe="#008662",
     tint_alpha=0.05,
     trail_alpha=0.75,
     outline="#ffffff",

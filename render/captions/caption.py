@@ -5,12 +5,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.raster.glyphs import Atlas
-from render.raster.shapes import Colour, colour
+from render.captions.measured import measured
+from render.raster.glyphs import Atlas, width, wrapped
+from render.raster.shapes import NONE, Colour, capsules, colour, darts
 from render.scene.scene import Scene
+from render.scene.signs import signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
-from render.source import target_of
+from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
+from tiswarm.scenario.changes import changes
+from tiswarm.scenario.words import told
+from tiswarm.system.words import grouped
+
+LEGIBLE = 8
+"""Words that would be smaller than this [px] are left out, but for the title, the clock and the numbers."""
+
+DIGIT = 11
+"""The title, the clock and the numbers are no smaller than this [px]."""
+
+
+SMALL = 22
+"""Words smaller than this [units of type] are small print."""
 
 
 class Caption:
@@ -27,35 +42,97 @@ class Caption:
     def _write(
         self, text: str, x: float, y: float, size: float, paint: str, align: str = "left", *, tabular: bool = False
     ) -> np.ndarray:
+        """Write a line. size: in units of type; small print that nobody could read is left out."""
+        if size < SMALL and self._px(size) < LEGIBLE:
+            return NONE
         return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
+
+    def _likeness(self, kind: str, x: float, y: float, unit: float) -> np.ndarray:
+        """Draw one of the prey, the predators or the obstacles as it looks on the stage."""
+        middle, right = np.array([[x, y]]), np.array([[unit, 0.0]])
+        if kind == "prey":
+            return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, colour(self._theme.prey[0]))
+        return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, colour(self._theme.predator))
+
+    def _sign(self, fate: int, x: float, y: float, size: float) -> np.ndarray:
+        """Draw the sign of a fate."""
+        return signs(fate, np.array([[x, y]]), size, self._theme)
 
 
 def pixels(units: float, unit: float) -> int:
     """Turn a size of type into whole pixels."""
-    return max(round(units * unit), 7)
+    return max(round(units * unit), DIGIT if units >= SMALL else 5)
+
+
+def fitting(text: str, sizes: tuple[float, ...], room: float, most: int, unit: float) -> tuple[list[str], float]:
+    """Break a title into at most so many lines, in the largest of some sizes [units of type] that needs no more.
+
+    Where even the smallest needs more lines it gets twice as many: what is left over then was never meant to be read.
+    """
+    for size in sizes:
+        lines = wrapped(text, pixels(size, unit), int(room), most + 1)
+        if len(lines) <= most and not any(line.endswith("…") for line in lines):
+            return _evenly(text, pixels(size, unit), int(room), lines), size
+    return wrapped(text, pixels(sizes[-1], unit), int(room), 2 * most), sizes[-1]
+
+
+def _evenly(text: str, size: int, room: int, lines: list[str]) -> list[str]:
+    """Break a title into lines of about the same length, so that no word stands alone."""
+    if len(lines) == 1:
+        return lines
+    for narrow in range(room // 2, room, max(room // 40, 1)):
+        even = wrapped(text, size, narrow, len(lines) + 1)
+        if len(even) == len(lines) and not any(line.endswith("…") for line in even):
+            return even
+    return lines
 
 
 @dataclass(frozen=True)
 class Counter:
-    """Something that a caption counts: its name, the number at a time and the most there can be, written with `unit` behind."""
+    """Something that a caption counts or measures.
+
+    text: the number at a time, without its unit. share: how full its bar is at a time, None for none. widest: the longest
+    number that there can be. sign: the fate that it counts.
+    """
 
     name: str
-    number: Callable[[float], int]
-    total: int
+    text: Callable[[float], str]
     paint: Colour
+    widest: str
     unit: str = ""
+    share: Callable[[float], float] | None = None
+    sign: int | None = None
+
+    def name_room(self, name: int) -> float:
+        """Measure its name, behind its sign, in type of a size [px]."""
+        return width(self.name, name) + (name if self.sign is not None else 0)
+
+    def room(self, number: int, name: int, unit: int) -> float:
+        """Measure its number beside its name in types of some sizes [px]."""
+        digits = width(self.widest, number, tabular=True) + (width(" " + self.unit, unit) if self.unit else 0)
+        return digits + self.name_room(name)
+
+
+def counted(
+    name: str, number: Callable[[float], int], total: int, paint: Colour, unit: str = "", sign: int | None = None
+) -> Counter:
+    """Count something of which there are at most `total`."""
+    return Counter(
+        name,
+        lambda time: grouped(number(time)),
+        paint,
+        grouped(total),
+        unit,
+        lambda time: number(time) / max(total, 1),
+        sign,
+    )
 
 
 def counters(scene: Scene) -> list[Counter]:
-    """List what is worth counting in a scene of one subject: only what can happen there."""
+    """List what is worth counting in a scene of one subject: what its preset is about, and what can happen there."""
     subject, paths, theme = scene.subjects[0], scene.paths, scene.theme
-    hunters = paths.count - paths.prey
-    deadly = len(subject.obstacle_radius) > 0 and subject.scenario.obstacles.contact == "crash"
-    ends = {
-        ARRIVED: target_of(subject) is not None,
-        CAPTURED: hunters > 0 and subject.scenario.world.contact in ("deadly", "eaten"),
-        CRASHED: deadly or (isinstance(subject, Recording) and "crashed" in subject.prey.fate),
-    }
+    hunters, words = paths.count - paths.prey, subject.scenario.words
+    ends = possible_ends(scene, 0)
 
     def there(prey: bool) -> Callable[[float], int]:
         return lambda time: int(((paths.end > time) & (paths.is_prey == prey)).sum())
@@ -63,28 +140,51 @@ def counters(scene: Scene) -> list[Counter]:
     def gone(fate: int) -> Callable[[float], int]:
         return lambda time: int(((paths.end <= time) & paths.is_prey & (paths.fate == fate)).sum())
 
-    found = [Counter(FATES[ALIVE], there(True), paths.prey, colour(theme.prey[0]))] if any(ends.values()) else []
-    found += [Counter(FATES[fate], gone(fate), paths.prey, theme[FATES[fate]]) for fate, able in ends.items() if able]
-    if hunters > 1:
-        found.append(Counter("predators", there(False), hunters, colour(theme.predator)))
+    found = []
+    for name in subject.scenario.film.measures:
+        each = measured(scene, 0, name)
+        found.append(Counter(each.name, each.text, colour(theme.prey[0]), each.widest, each.unit, each.share))
     if coverage := scene.coverage:
-        found.append(Counter("cleaned", lambda time: round(100 * coverage.share(time)), 100, theme["arrived"], "%"))
+        share = coverage.share
+        found.append(counted(words.covered, lambda time: round(100 * share(time)), 100, theme["arrived"], "%"))
+    if ends:
+        found.append(counted(FATES[ALIVE], there(True), paths.prey, colour(theme.prey[0]), sign=ALIVE))
+    found += [counted(FATES[fate], gone(fate), paths.prey, theme[FATES[fate]], sign=fate) for fate in ends]
+    deadly = any(fate != ARRIVED for fate in ends) and subject.scenario.world.contact == "deadly"
+    if hunters > 1 and deadly:
+        found.append(counted(words.noun("predators", hunters), there(False), hunters, colour(theme.predator)))
     return found
 
 
-def spaced(number: int) -> str:
-    """Write a number with thin groups of thousands."""
-    return f"{number:,}".replace(",", " ")
+def possible_ends(scene: Scene, number: int) -> list[int]:
+    """List the fates that prey of a subject can meet."""
+    subject, paths = scene.subjects[number], scene.paths
+    hunted = bool((~paths.is_prey & (paths.scene == number)).any())
+    deadly = len(subject.obstacle_radius) > 0 and subject.scenario.obstacles.contact == "crash"
+    ends = {
+        ARRIVED: target_of(subject) is not None,
+        CAPTURED: hunted and subject.scenario.world.contact in ("deadly", "eaten"),
+        CRASHED: deadly or (isinstance(subject, Recording) and "crashed" in subject.prey.fate),
+    }
+    return [fate for fate, able in ends.items() if able]
 
 
-def introduced(scene: Scene) -> list[tuple[str, str, str, str]]:
-    """Say who plays in a scene of one subject: kind, how many of them, strategy, avoidance ("" for none)."""
+def introduced(scene: Scene) -> list[tuple[str, str, str]]:
+    """Say who plays in a scene of one subject: kind, how many of them, and how they behave."""
     scenario, paths, who = scene.subjects[0].scenario, scene.paths, []
-    for name, plural, count, agents in (
-        ("prey", "prey", paths.prey, scenario.prey),
-        ("predator", "predators", paths.count - paths.prey, scenario.predators),
-    ):
+    for kind, count in (("prey", paths.prey), ("predators", paths.count - paths.prey)):
+        agents = getattr(scenario, kind)
         if count:
-            avoidance = "" if agents.avoidance == "none" else agents.avoidance
-            who.append((name, f"{spaced(count)} {name if count == 1 else plural}", agents.strategy, avoidance))
+            avoids = agents.avoidance != "none" and len(scene.subjects[0].obstacle_radius) > 0
+            noun = scenario.words.noun(kind, count)
+            ways = [agents.strategy] * (agents.strategy not in (noun, scenario.words.noun(kind, 1))) + [
+                agents.avoidance
+            ] * avoids
+            who.append((kind, f"{grouped(count)} {noun}", " · ".join(ways)))
     return who
+
+
+def notes(subject: Recording | Live) -> str:
+    """Say where a subject comes from, and what of its preset was changed."""
+    which = f"trial {subject.trial} · seed {subject.seed}"
+    return " · ".join(each for each in (subject.scenario.source, told(changes(subject.scenario)), which) if each)

@@ -1,18 +1,19 @@
-"""How a frame is divided: the stage, and the panel beside or below it."""
+"""How a frame is divided: the stage, and the caption beside or below it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-ROOM = {"side": 290, "strip": 104, "pair": 310, "stack": 540}
-"""Room for the panel in units of type: its width beside the stage; its height below, as a strip, in two columns or one."""
+SIDE, WIDEST = 300, 420
+"""Width of a caption beside the stage [units of type], at least, and at most before its type grows."""
 
-MOST, ROW = 5, 25
-"""Counters that the stack has room for; with fewer it is lower by a row [units of type] each."""
+LARGEST = 1.5
+"""Type grows at most so much where a world leaves room."""
 
-SMALLEST = 0.5
-"""Frames whose unit of type would be smaller [px] have no panel: it could not be read."""
+READABLE = 0.44
+"""Unit of type [px] of frames that are smaller than it would make them: their title and clock can still be read."""
 
-STRIPPED = 240, 0.54
-"""A strip has few words: frames at least this high [px] still have one, with this unit of type at least."""
+SMALLEST = 250, 140
+"""Frames of fewer pixels across or up have no caption."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,7 @@ class Box:
 class Layout:
     """How a frame is divided.
 
-    unit: the size of type at 720 lines is one [px].
-    panel: None in frames too small for type. form: "side", or below as one "strip", in two columns ("pair") or one ("stack").
+    unit: pixels per unit of type, one at 720 lines. panel: None in frames too small for type. form: "side" or "below".
     """
 
     size: tuple[int, int]
@@ -50,26 +50,45 @@ class Layout:
     form: str
 
 
-def layout(size: tuple[int, int], extent: tuple[float, float], counters: int = MOST) -> Layout:
-    """Divide a frame so that a world of some extent [m] is drawn as large as possible, with a panel of so many counters."""
-    width, height = size
-    unit = min(width, height) / 720
-    whole = Box(0, 0, width, height)
-    bare = Layout(size, unit, whole, None, "side")
-    if height > 1.4 * width:
-        room = ROOM["stack"] - (MOST - counters) * ROW
-        unit = min(width / 460, height / (room + 460 * extent[1] / extent[0]))
-        return bare if unit < SMALLEST else _below(size, unit, "stack", room)
-    edge = ROOM["side"] * unit
-    plans = [Layout(size, unit, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")] if unit >= SMALLEST else []
-    if width > 1.4 * height:
-        plans += [_below(size, max(unit, STRIPPED[1]), "strip")] if height >= STRIPPED[0] else []
-    elif unit >= SMALLEST:
-        plans.append(_below(size, unit, "pair"))
-    return max(plans, key=lambda each: min(each.stage.width / extent[0], each.stage.height / extent[1]), default=bare)
+Needed = Callable[[float, float], float]
+"""Gives the height [px] that a caption below the stage needs, by its width and the unit of type [px]."""
 
 
-def _below(size: tuple[int, int], unit: float, form: str, room: float | None = None) -> Layout:
+def unit_of(size: tuple[int, int]) -> float:
+    """Give the unit of type of a frame [px]."""
+    return max(min(size) / 720, READABLE)
+
+
+def layout(size: tuple[int, int], extent: tuple[float, float], needed: Needed) -> Layout:
+    """Divide a frame so that a view of some extent [m] is drawn as large as possible, and give its caption what is left."""
     width, height = size
-    edge = height - (ROOM[form] if room is None else room) * unit
-    return Layout(size, unit, Box(0, 0, width, edge), Box(0, edge, width, height), form)
+    unit = unit_of(size)
+    if width < SMALLEST[0] or height < SMALLEST[1]:
+        return Layout(size, unit, Box(0, 0, width, height), None, "below")
+    plans = [_below(size, unit, extent, needed)]
+    if width >= height:
+        plans.append(_beside(size, unit, extent))
+    return max(
+        (plan for plan in plans if plan is not None),
+        key=lambda plan: min(plan.stage.width / extent[0], plan.stage.height / extent[1]),
+    )
+
+
+def _beside(size: tuple[int, int], unit: float, extent: tuple[float, float]) -> Layout:
+    """Put the caption on the left, as wide as a view of the frame's whole height lets it be."""
+    width, height = size
+    edge = max(SIDE * unit, width - height * extent[0] / extent[1])
+    edge = min(edge, WIDEST * unit * LARGEST)
+    grown = unit * min(max(edge / (WIDEST * unit), 1.0), LARGEST)
+    return Layout(size, grown, Box(edge, 0, width, height), Box(0, 0, edge, height), "side")
+
+
+def _below(size: tuple[int, int], unit: float, extent: tuple[float, float], needed: Needed) -> Layout:
+    """Put the caption below, in type as large as a view of the frame's whole width leaves room for."""
+    width, height = size
+    free = height - width * extent[1] / extent[0]
+    sizes = [unit * (LARGEST - 0.05 * step) for step in range(round((LARGEST - 1) / 0.05) + 1)]
+    grown = next((each for each in sizes if needed(width, each) <= free), unit)
+    high = max(needed(width, grown), min(free, 0.45 * height) if free > 0 else 0)
+    high = min(high, 0.6 * height)
+    return Layout(size, grown, Box(0, 0, width, height - high), Box(0, height - high, width, height), "below")

@@ -1,38 +1,46 @@
-"""Several recordings at once: cells of one size, each with its label and what became of its prey, under one title and clock."""
+"""Several recordings at once: cells that touch, each with its label and what became of its prey, under one title and clock."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from render.captions.caption import Caption, pixels
-from render.captions.layout import Box
+from render.captions.caption import LEGIBLE, Caption, fitting, pixels, possible_ends
+from render.captions.layout import SMALLEST, Box
+from render.captions.measured import measured
+from render.captions.panel import clocked
 from render.raster.glyphs import Atlas, width, wrapped
-from render.raster.shapes import NONE, Colour, boxes, colour, discs
+from render.raster.shapes import NONE, Colour, boxes, colour
 from render.scene.scene import Scene
-from render.scene.trajectories import ARRIVED, CAPTURED
+from render.scene.signs import signs
+from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
+from tiswarm.system.words import grouped
 
-EDGE, HEAD, FOOT, LABEL, GAP = 28, 62, 40, 28, 4
-"""Rims of the frame, and room for labels [units of type]."""
+INSET, HAIR = 18, 2
+"""Rims of the head, and of lines between cells [units of type]."""
+
+TITLES, NOTE, CLOCK, LABEL = (32, 28, 25, 22), 15, 46, 17
+"""Sizes of words."""
 
 PIPS = 12
-"""More prey than this are counted in words instead of dots."""
+"""More prey than this are counted in words instead of signs."""
 
-PIP, PIPS_ACROSS = 11, 3
-"""Distance of dots [units of type], and how many stand in a row beside a world."""
-
-ASIDE = 10
-"""Gap between a world and captions beside it [units of type]."""
+SIGN, PIP = 5.4, 14
+"""Half the width of a sign, and distance of signs [units of type]."""
 
 RANKS = ("arrived", "alive", "captured", "crashed")
-"""The order of the dots, from the right."""
+"""The order of the signs, from the right."""
+
+PLATE = 0.72
+"""Opacity of what lies under words on a cell."""
 
 
 def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
     """Name recordings by what tells them apart: strategies, else seed and trial."""
+    roles = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
     ways = [
-        (r.scenario.prey.strategy, r.scenario.prey.avoidance, r.scenario.predators.strategy, r.scenario.predators.avoidance)
+        [getattr(getattr(r.scenario, kind), role) if getattr(r.scenario, kind).count else "none" for kind, role in roles]
         for r in recordings
     ]
     differing = [n for n in range(4) if len({way[n] for way in ways}) > 1]
@@ -42,133 +50,170 @@ def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
     return [f"trial {r.trial}" + (f" · seed {r.seed}" if seeds else "") for r in recordings]
 
 
-def beside(subjects: Sequence[Recording | Live], labels: Sequence[str], unit: float) -> float:
-    """Give the width that captions need beside worlds instead of above them [px]."""
-    widths = [width(label, pixels(13, unit)) for label in labels]
-    for each in subjects:
-        prey = each.prey.count if isinstance(each, Recording) else each.scenario.prey.count
-        words = f"{prey} {'arrived' if target_of(each) else 'alive'}"
-        widths.append(width(words, pixels(12, unit)) if prey > PIPS else round(PIPS_ACROSS * PIP * unit))
-    return max(widths) + ASIDE * unit
+class Heading:
+    """What the head of a mosaic says, and how high it becomes."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int], unit: float):
+        self.unit, self.shown = unit, size[0] >= SMALLEST[0] and size[1] >= SMALLEST[1]
+        subjects = scene.subjects
+        scenario = subjects[0].scenario
+        room = size[0] - 2 * INSET * unit
+        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
+        self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + 30 * unit
+        self.title, self.size = fitting(scenario.title, TITLES, room - self.clock, 2, unit)
+        ends = sorted({fate for n in range(len(subjects)) for fate in possible_ends(scene, n)})
+        few = max((scene.paths.is_prey & (scene.paths.scene == n)).sum() for n in range(len(subjects))) <= PIPS
+        self.key = [ALIVE, *ends] if ends and few else []
+        shared = len({subject.trial for subject in subjects}) == 1
+        trials = f"trial {subjects[0].trial}" if shared else f"{len(subjects)} trials"
+        self.note = f"{trials} · seed {subjects[0].seed}"
+        lines = len(self.title) * self.size * 1.12 + 12
+        if pixels(NOTE, unit) >= LEGIBLE:
+            lines += 1.3 * NOTE
+        self.height = max(lines, 54) * unit if self.shown else 0.0
 
 
-def cells(size: tuple[int, int], count: int, extent: tuple[float, float], unit: float, aside: float) -> tuple[list[Box], bool]:
-    """Divide a frame into cells, captions left out, so that worlds of some extent [m] are as large as possible.
+def cells(size: tuple[int, int], count: int, extent: tuple[float, float], head: float) -> list[Box]:
+    """Divide what is below the head of a frame into cells that touch, so that worlds of some extent [m] are as large as can be.
 
-    aside: width of the captions if they stand on the worlds' left [px]; tell whether they do, or stand above.
+    A last row that is not full is as wide as the others: its cells are wider.
     """
-    whole = Box(EDGE * unit, HEAD * unit, size[0] - EDGE * unit, size[1] - FOOT * unit)
+    high = size[1] - head
 
-    def cut(columns: int, left: float, above: float) -> list[Box]:
-        rows = -(-count // columns)
-        wide = (whole.width - (columns - 1) * GAP * unit) / columns
-        high = (whole.height - (rows - 1) * GAP * unit) / rows
-        out = []
+    def cut(columns: int) -> list[Box]:
+        rows, out = -(-count // columns), []
         for n in range(count):
-            row, in_row = n // columns, min(columns, count - n // columns * columns)
-            start = whole.left + (n % columns + (columns - in_row) / 2) * (wide + GAP * unit)
-            top = whole.top + row * (high + GAP * unit)
-            out.append(Box(start + left, top + above, start + wide, top + high))
+            row = n // columns
+            across = min(columns, count - row * columns)
+            place = n - row * columns
+            left, right = (round(size[0] * each / across) for each in (place, place + 1))
+            top, bottom = (round(head + high * each / rows) for each in (row, row + 1))
+            out.append(Box(left, top, right, bottom))
         return out
 
-    plans = [(cut(columns, 0, LABEL * unit), False) for columns in range(1, count + 1)]
-    plans += [(cut(columns, aside, 0), True) for columns in range(1, count + 1)]
-    return max(plans, key=lambda plan: _scale(plan[0][0], extent))
-
-
-def _scale(cell: Box, extent: tuple[float, float]) -> float:
-    return min(cell.width / extent[0], cell.height / extent[1])
+    plans = [cut(columns) for columns in range(1, count + 1)]
+    return max(plans, key=lambda plan: min(min(cell.width / extent[0], cell.height / extent[1]) for cell in plan))
 
 
 class Mosaic(Caption):
     """The captions of several subjects."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        places: Sequence[Box],
-        labels: Sequence[str],
-        size: tuple[int, int],
-        atlas: Atlas,
-        unit: float,
-        aside: float,
-    ):
-        """Caption the subjects of a scene above their places, or, when `aside` [px] is above zero, that far to the left."""
-        super().__init__(scene, atlas, unit)
-        self._places, self._labels, self._size, self._aside = places, labels, size, aside
+    def __init__(self, scene: Scene, places: Sequence[Box], labels: Sequence[str], head: Heading, atlas: Atlas):
+        """Caption the subjects of a scene inside their places."""
+        super().__init__(scene, atlas, head.unit)
+        self._places, self._labels, self._head = places, labels, head
+        self.shown = head.shown
+        self._right = max(place.right for place in places)
         paths = scene.paths
         self._prey = [np.flatnonzero(paths.is_prey & (paths.scene == n)) for n in range(len(places))]
+        self._ends = [possible_ends(scene, n) for n in range(len(places))]
+        named = [subject.scenario.film.measures for subject in scene.subjects]
+        self._measured = [
+            measured(scene, n, names[0]) if names and not ends else None
+            for n, (names, ends) in enumerate(zip(named, self._ends, strict=True))
+        ]
         self._tallies = [NONE] * len(places)  # counts change seldom: their shapes are kept until they do
         self._gone = np.full(len(places), -1)
 
     def ground(self) -> np.ndarray:
-        """Draw what stands still: title, labels, the track of the progress line."""
-        unit, subjects = self._unit, self._scene.subjects
-        left, right = EDGE * unit, self._size[0] - EDGE * unit
-        clock = 150 * unit
-        title = wrapped(subjects[0].scenario.title, self._px(20), int(right - left - clock), 1)[0]
-        shared = len({subject.trial for subject in subjects}) == 1
-        trials = f"trial {subjects[0].trial}" if shared else f"{len(subjects)} trials"
-        note = f"{trials} · seed {subjects[0].seed}"
-        rows = [
-            self._write(title, left, 34 * unit, 20, "ink"),
-            self._write(note, left, 54 * unit, 12, "quiet"),
-            self._progress(1.0, self._theme["line"], 0.25),
-        ]
-        for label, place, prey in zip(self._labels, self._places, self._prey, strict=True):
-            room = self._aside if self._aside else place.width - self._tally_width(len(prey))
-            base = place.top + (11 * unit if self._aside else -9 * unit)
-            rows.append(self._write(wrapped(label, self._px(13), int(room), 1)[0], place.left - self._aside, base, 13, "ink"))
+        """Draw what stands still: title, key, the track of the progress line. What stands on cells is drawn above them."""
+        if not self._head.shown:
+            return NONE
+        unit, head, y = self._unit, self._head, 0.0
+        rows = [self._progress(1.0, self._theme["line"], 0.25)]
+        y = 4 * unit
+        for line in head.title:
+            y += head.size * 1.1 * unit
+            rows.append(self._write(line, INSET * unit, y, head.size, "ink"))
+        y += 1.3 * NOTE * unit
+        rows.append(self._write(head.note, INSET * unit, y, NOTE, "quiet"))
+        rows.append(self._write("s", self._right - INSET * unit, 42 * unit, 24, "quiet", "right"))
+        x = INSET * unit + width(head.note, self._px(NOTE)) + 26 * unit
+        if self._px(NOTE) >= LEGIBLE:
+            for fate in head.key:
+                rows.append(self._sign(fate, x + SIGN * unit, y - 5 * unit, SIGN * unit))
+                x += (2 * SIGN + 6) * unit
+                rows.append(self._write(FATES[fate], x, y, NOTE, "quiet"))
+                x += width(FATES[fate], self._px(NOTE)) + 20 * unit
         return np.concatenate(rows)
 
     def frame(self, time: float) -> np.ndarray:
-        """Draw what changes: clock, progress, fates."""
-        unit, ticks = self._unit, self._scene.paths.last
-        now, right = min(time, ticks), self._size[0] - EDGE * self._unit
-        digits = f"{now * self._scene.subjects[0].scenario.world.dt:.1f}"
-        rows = [
-            self._write(digits, right - 16 * unit, 42 * unit, 28, "ink", "right", tabular=True),
-            self._write("s", right, 42 * unit, 16, "quiet", "right"),
-            self._progress(now / ticks if ticks else 1.0, colour(self._theme.prey[0]), 0.9),
-        ]
+        """Draw what changes, and what stands on the cells: labels, fates, clock, progress."""
+        rows = [self._lines(), *self._labelled(time)]
+        if self._head.shown:
+            unit, ticks = self._unit, self._scene.paths.last
+            end = self._right - (INSET + 8) * unit - width("s", self._px(24))
+            rows += [
+                self._write(clocked(self._scene, time), end, 42 * unit, CLOCK, "ink", "right", tabular=True),
+                self._progress(min(time / ticks, 1.0) if ticks else 1.0, colour(self._theme.prey[0]), 0.9),
+            ]
+        return np.concatenate(rows)
+
+    def _lines(self) -> np.ndarray:
+        """Draw the lines between cells."""
+        half = max(HAIR * self._unit / 2, 0.75)
+        low = np.array([(place.left, place.top) for place in self._places])
+        high = np.array([(place.right, place.bottom) for place in self._places])
+        return boxes(low, high, self._theme["backdrop"], stroke=half)
+
+    def _labelled(self, time: float) -> list[np.ndarray]:
+        if self._px(LABEL) < LEGIBLE:
+            return []
         paths = self._scene.paths
         gone = np.bincount(paths.scene[: paths.prey][paths.end[: paths.prey] <= time], minlength=len(self._places))
-        for n in np.flatnonzero(gone != self._gone):
-            self._tallies[n] = self._tally(int(n), time)
+        for n in range(len(self._places)):
+            if gone[n] != self._gone[n] or self._measured[n]:
+                self._tallies[n] = self._corner(n, time)
         self._gone = gone
-        return np.concatenate([*rows, *self._tallies])
+        return self._tallies
 
-    def _tally_width(self, prey: int) -> float:
-        if prey <= PIPS:
-            return (prey + 1) * PIP * self._unit
-        return width("0000 arrived · 0000 dead", self._px(12)) + 10 * self._unit
+    def _corner(self, n: int, time: float) -> np.ndarray:
+        """Write a cell's label and what became of its prey on a plate in its upper left corner."""
+        unit, place = self._unit, self._places[n]
+        tally = self._words(n, time)
+        signed = not tally and len(self._ends[n]) > 0
+        wide = len(self._prey[n]) * PIP * unit if signed else width(tally, self._px(LABEL)) if tally else 0.0
+        room = place.width - (wide + 40 * unit if wide else 22 * unit)
+        label = wrapped(self._labels[n], self._px(LABEL), int(max(room, 40 * unit)), 1)[0]
+        left, top = place.left + 3 * unit, place.top + 3 * unit
+        start = left + 8 * unit + width(label, self._px(LABEL)) + 10 * unit
+        right, base = start + (wide + 6 * unit if wide else -2 * unit), top + 19 * unit
+        rows = [
+            boxes((left, top), (right, top + 26 * unit), self._theme["backdrop"], PLATE, corner=4 * unit),
+            self._write(label, left + 8 * unit, base, LABEL, "ink"),
+        ]
+        if tally:
+            rows.append(self._write(tally, start, base, LABEL, "quiet"))
+        elif signed:
+            rows.append(self._signs(n, time, start, base - 6 * unit))
+        return np.concatenate(rows)
 
-    def _tally(self, n: int, time: float) -> np.ndarray:
-        """Show the fates of a subject's prey: a dot for each, the arrived first, the dead last, or words when they are many."""
-        paths, prey, place = self._scene.paths, self._prey[n], self._places[n]
-        fates = np.where(paths.end[prey] <= time, paths.fate[prey], 0)
-        base = place.top - 9 * self._unit
-        if len(prey) > PIPS:
-            counts = {"arrived": int((fates == ARRIVED).sum()), "dead": int((fates >= CAPTURED).sum())}
-            alive = {"alive": int((fates == 0).sum()), "dead": counts["dead"]}
-            shown = counts if target_of(self._scene.subjects[n]) else alive
-            words = [f"{number} {name}" for name, number in shown.items()]
-            if self._aside:
-                tops = [place.top + (30 + 17 * line) * self._unit for line in range(len(words))]
-                lines = [(word, place.left - self._aside, top, 12, "quiet") for word, top in zip(words, tops, strict=True)]
-                return np.concatenate([self._write(*line, tabular=True) for line in lines])
-            return self._write(" · ".join(words), place.right, base, 12, "quiet", "right", tabular=True)
-        ranked = sorted((RANKS.index(FATES[fate]) for fate in fates), reverse=True)
-        paints = [colour(self._theme.prey[0]) if RANKS[n] == "alive" else self._theme[RANKS[n]] for n in ranked]
-        step = PIP * self._unit
-        if self._aside:
-            ranked_rows = np.divmod(np.arange(len(ranked))[::-1], PIPS_ACROSS)
-            start = place.left - self._aside + step / 2, place.top + 26 * self._unit
-            centres = [(start[0] + column * step, start[1] + row * step) for row, column in zip(*ranked_rows, strict=True)]
-        else:
-            centres = [(place.right - step * (n + 0.5), base - 4.5 * self._unit) for n in range(len(ranked))]
-        return discs(np.array(centres).reshape(-1, 2), 3.6 * self._unit, np.array(paints).reshape(-1, 3))
+    def _words(self, n: int, time: float) -> str:
+        """Say what became of many prey, and what is measured where nothing can become of them."""
+        if not self._ends[n]:
+            each = self._measured[n]
+            return f"{each.name} {each.text(time)} {each.unit}".rstrip() if each else ""
+        if len(self._prey[n]) <= PIPS:
+            return ""
+        fates = self._fates(n, time)
+        alive, dead = int((fates == ALIVE).sum()), int((fates >= CAPTURED).sum())
+        counts = {"arrived": int((fates == ARRIVED).sum())} if target_of(self._scene.subjects[n]) else {"alive": alive}
+        return " · ".join(f"{grouped(number)} {name}" for name, number in {**counts, "dead": dead}.items())
+
+    def _fates(self, n: int, time: float) -> np.ndarray:
+        paths, prey = self._scene.paths, self._prey[n]
+        return np.where(paths.end[prey] <= time, paths.fate[prey], ALIVE)
+
+    def _signs(self, n: int, time: float, left: float, middle: float) -> np.ndarray:
+        """Show the fate of each prey by its sign: the dead first, the arrived last."""
+        ranked = np.sort([RANKS.index(FATES[fate]) for fate in self._fates(n, time)])[::-1]
+        across = left + (np.arange(len(ranked)) + 0.5) * PIP * self._unit
+        spots = np.stack([across, np.full(len(ranked), middle)], axis=1)
+        return np.concatenate(
+            [signs(FATES.index(name), spots[ranked == k], SIGN * self._unit, self._theme) for k, name in enumerate(RANKS)]
+        )
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        left, right, y, half = EDGE * self._unit, self._size[0] - EDGE * self._unit, self._size[1] - 18 * self._unit, self._unit
-        return boxes((left, y - half), (left + (right - left) * share, y + half), paint, alpha, corner=half)
+        """Draw the line between the head and the cells."""
+        high = 3 * self._unit
+        return boxes((0.0, self._head.height - high), (self._right * share, self._head.height), paint, alpha)

@@ -1,116 +1,169 @@
-"""The caption of a wide world: a strip below the stage, in one line of sight."""
+"""The caption below the stage: in one line of sight where the frame is wide, else in rows."""
+
+from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
-from render.captions.caption import introduced, spaced
+from render.captions.caption import LEGIBLE, Counter, fitting, introduced, pixels
+from render.captions.chart import chartable, height_for
 from render.captions.layout import Box
-from render.captions.panel import INSET, Panel
+from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
+from render.scene.scene import Scene
+from tiswarm.records.recording import Recording
 
-LINE, TOP = 5, 24
-"""How far below the stage the progress line runs, and the words begin."""
+TITLES = (34, 31, 28, 25, 22)
+NUMBER, NAME, WHO, CLOCK = 32, 17, 18, 54
+"""Sizes of words."""
 
-FOOT = 55
-"""Baseline of the last line of words, below the first one's top."""
+TOP, BOTTOM = 10, 12
+"""Room above and below the words."""
 
-COLUMN, GAP, CLOCK = 66, 16, 124
-"""Widths of a counter, at least, of the gaps between counters, and of the clock."""
+GAP, APART = 20, 30
+"""Gaps between counters, and between them and what stands beside them."""
 
-DIGITS = 22
-"""Size of the counters' numbers."""
-
-APART = 44
-"""Gap between title, counters and clock."""
+COUNTED, PEOPLED, NOTED, PART = 46, 27, 21, 6
+"""Heights of a row of counters, of who plays, of a note, and what parts them."""
 
 
 class Strip(Panel):
-    """Title and strategies on the left, counters in the middle, the clock on the right, under a thin progress line."""
+    """Title, who plays and notes on the left, clock and counters on the right; narrow frames have counters in rows below."""
 
     def _place(self, box: Box) -> None:
         unit = self._unit
-        self._box = Box(box.left + INSET * unit, box.top + TOP * unit, box.right - INSET * unit, box.bottom)
-        longest = [spaced(counter.total) + counter.unit for counter in self._counters]
-        widths = [width(each, self._px(DIGITS), tabular=True) / unit for each in longest]
-        self._column = max(COLUMN, *widths) if widths else COLUMN
-        wide = len(self._counters) * (self._column + GAP) - GAP
-        self._first = self._box.right - (CLOCK + APART + wide) * unit
-        room = int(self._first - APART * unit - self._box.left)
-        self._headed(room)
-        self._peopled(room)
-        self._counter_labels()
-        right, which = self._box.right, f"trial {self._subject.trial} · seed {self._subject.seed}"
-        self._still.append(self._write("s", right, self._box.top + 29 * unit, 16, "quiet", "right"))
-        self._still.append(self._write(which, right, self._box.top + FOOT * unit, 13, "quiet", "right"))
-
-    def _headed(self, room: int) -> None:
-        """Write the title on one line, or smaller on two, and the source behind it where there is room."""
-        scenario, unit = self._subject.scenario, self._unit
-        size, y, lines = 22, [23], wrapped(scenario.title, self._px(22), room, 1)
-        if lines[0].endswith("…"):
-            size, y, lines = 18, [12, 33], _evenly(scenario.title, self._px(18), room)
-        if len(lines) == 1:
-            y = [23]
-        for line, down in zip(lines, y, strict=True):
-            self._still.append(self._write(line, self._box.left, self._box.top + down * unit, size, "ink"))
-        start = width(lines[-1], self._px(size)) + 14 * unit
-        if scenario.source and start + width(scenario.source, self._px(12)) <= room:
-            base = self._box.top + y[-1] * unit
-            self._still.append(self._write(scenario.source, self._box.left + start, base, 12, "quiet"))
-
-    def _peopled(self, room: int) -> None:
-        """Write who plays, in as many words as there is room for."""
-        words = [
-            (name, who, [f"{strategy} · {avoidance}"] * bool(avoidance) + [strategy, ""])
-            for name, who, strategy, avoidance in introduced(self._scene)
-        ]
-        small, icon, gap = self._px(13), 26 * self._unit, 26 * self._unit
-        for short in range(3):
-            chosen = [(name, who, ways[min(short, len(ways) - 1)]) for name, who, ways in words]
-            widths = [icon + width(who, small) + 8 * self._unit + width(how, small) for _, who, how in chosen]
-            if sum(widths) + gap <= room:
-                break
-        x, base = self._box.left, self._box.top + FOOT * self._unit
-        for (name, who, how), wide in zip(chosen, widths, strict=True):
-            self._still.append(self._likeness(name, x + 9 * self._unit, base - 4.5 * self._unit, 0.85 * self._unit))
-            self._still.append(self._write(who, x + icon, base, 13, "ink"))
-            self._still.append(self._write(how, x + icon + width(who, small) + 8 * self._unit, base, 13, "quiet"))
-            x += wide + gap
-
-    def _counter_labels(self) -> None:
+        plan = _Plan(self._scene, box.width, unit, self._counters, self._note)
+        spare = max(box.height - plan.height, 0.0) / 2
+        charted = charted_in(self._scene, 2 * spare / unit)
+        if charted:
+            spare = min(spare, APART / 2 * unit)
+            below = box.top + plan.height + spare
+            self._chart(Box(box.left + INSET * unit, below + PART * unit, box.right - INSET * unit, box.bottom - INSET * unit))
+        else:
+            self._chart(Box(0, 0, 0, 0))
+        self._box = Box(box.left + INSET * unit, box.top + TOP * unit + spare, box.right - INSET * unit, box.bottom)
+        y = self._box.top
+        self._clock_base = y + CLOCK * 0.82 * unit
+        self._still.append(self._write("s", self._box.right, self._clock_base, 24, "quiet", "right"))
+        for line in plan.title:
+            y += plan.size * 1.12 * unit
+            self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
+        for line_up in plan.people:
+            y += PEOPLED * unit
+            x = self._box.left
+            for kind, who, how in line_up:
+                x = self._peopled_at(kind, who, how, x, y)
+        y += PART * unit if plan.notes else 0
+        for line in plan.notes:
+            y += NOTED * unit
+            self._still.append(self._write(line, self._box.left, y, NOTE, "quiet"))
+        self._spots: list[tuple[float, float, float]] = []  # left edge, baseline and width of each counter
+        foot = box.top + plan.height + spare if charted else box.bottom - spare
+        base = y + 2 * PART * unit if not plan.abreast else foot - (BOTTOM + COUNTED - 3) * unit
+        for row in plan.rows:
+            base += COUNTED * unit
+            x = self._box.right - sum(wide + GAP * unit for wide in row) + GAP * unit if plan.abreast else self._box.left
+            for wide in row:
+                self._spots.append((x, base - 10 * unit, wide))
+                x += wide + GAP * unit
         for n, counter in enumerate(self._counters):
-            self._still.append(self._write(counter.name, self._counter(n), self._box.top + 41 * self._unit, 13, "quiet"))
+            x, base, wide = self._spots[n]
+            named = wide - counter.name_room(self._px(NAME))
+            self._named(counter, x + named, base)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
 
-    def _counter(self, n: int) -> float:
-        """Give the left edge of a counter."""
-        return self._first + n * (self._column + GAP) * self._unit
+    def _peopled_at(self, kind: str, who: str, how: str, x: float, base: float) -> float:
+        """Show who plays as it looks on the stage; give where the next one may stand."""
+        unit = self._unit
+        self._still.append(self._likeness(kind, x + 9 * unit, base - 5.5 * unit, 0.95 * unit))
+        x += 28 * unit
+        self._still.append(self._write(who, x, base, WHO, "ink"))
+        x += width(who, self._px(WHO)) + 9 * unit
+        self._still.append(self._write(how, x, base, HOW, "quiet"))
+        return x + width(how, self._px(HOW)) + 26 * unit
 
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        x, y, half = self._counter(row), self._box.top + 53 * self._unit, 1.75 * self._unit
-        return boxes((x, y - half), (x + share * self._column * self._unit, y + half), paint, alpha, corner=half)
+        (x, base, wide), half = self._spots[row], 1.75 * self._unit
+        y = base + 9 * self._unit
+        return boxes((x, y - half), (x + share * wide, y + half), paint, alpha, corner=half)
 
-    def _number(self, row: int, digits: str, paint: str) -> np.ndarray:
-        return self._write(digits, self._counter(row), self._box.top + 21 * self._unit, DIGITS, paint, tabular=True)
+    def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
+        (x, base, wide), counter = self._spots[row], self._counters[row]
+        right = x + wide - counter.name_room(self._px(NAME)) - 7 * self._unit
+        rows = []
+        if counter.unit:
+            rows.append(self._write(counter.unit, right, base, UNIT, "quiet", "right"))
+            right -= width(" " + counter.unit, self._px(UNIT))
+        return [*rows, self._write(digits, right, base, NUMBER, paint, "right", tabular=True)]
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        digits = f"{min(time, self._scene.paths.last) * self._subject.scenario.world.dt:.1f}"
-        end = self._box.right - width("s", self._px(16)) - 5 * self._unit
-        return [self._write(digits, end, self._box.top + 29 * self._unit, 38, "ink", "right", tabular=True)]
+        end = self._box.right - width("s", self._px(24)) - 6 * self._unit
+        return [self._write(clocked(self._scene, time), end, self._clock_base, CLOCK, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
-        y, half = self._box.top - (TOP - LINE) * self._unit, self._unit
-        end = self._box.left + self._box.width * share
-        return boxes((self._box.left, y - half), (end, y + half), paint, alpha, corner=half)
+        """Draw the line between stage and caption."""
+        top, half = self._panel.top, 1.5 * self._unit
+        return boxes((0.0, top), (self._panel.width * share, top + 2 * half), paint, alpha)
 
 
-def _evenly(title: str, size: int, room: int) -> list[str]:
-    """Break a title into two lines of about the same length, so that no word stands alone."""
-    lines = wrapped(title, size, room, 2)
-    if len(lines) < 2 or lines[1].endswith("…"):
-        return lines
-    for narrow in range(room // 2, room, max(room // 40, 1)):
-        even = wrapped(title, size, narrow, 2)
-        if len(even) == 2 and not any(line.endswith("…") for line in even):
-            return even
-    return lines
+class _Plan:
+    """What a strip of some width says, in how many lines, and how high it becomes."""
+
+    def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter], note: str):
+        room = wide - 2 * INSET * unit
+        scenario = scene.subjects[0].scenario
+        widths = [counter.room(pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit)) + 7 * unit for counter in found]
+        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
+        clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + (6 + APART) * unit
+        self.title, self.size = fitting(scenario.title, TITLES, room - clock, 2, unit)
+        beside = room - sum(each + GAP * unit for each in widths) - (APART - GAP) * unit
+        who, noted = introduced(scene), max(width(note, pixels(NOTE, unit)), 1)
+        needed = max(noted, max((_wide(each, unit) for each in who), default=0.0) if len(who) > 1 else 0.0)
+        self.abreast = 0.9 * needed <= beside and beside > 0.3 * room
+        self.rows = _dealt(widths, room if not self.abreast else np.inf, GAP * unit)
+        small = pixels(NOTE, unit) < LEGIBLE
+        self.people = [] if small else _peopled(who, beside if self.abreast else room - clock, unit)
+        self.notes = [] if small else wrapped(note, pixels(NOTE, unit), int(beside if self.abreast else room), 2)
+        left = len(self.title) * self.size * 1.12 + len(self.people) * PEOPLED + len(self.notes) * NOTED
+        left += PART if self.notes else 0
+        if self.abreast:
+            high = max(left, CLOCK * 0.82 + 4 + COUNTED * len(self.rows))
+        else:
+            high = max(left, CLOCK * 0.82) + COUNTED * len(self.rows) + 2 * PART
+        self.height = (TOP + high + BOTTOM) * unit
+
+
+def _dealt(widths: list[float], room: float, gap: float) -> list[list[float]]:
+    """Deal widths to rows that have room for them."""
+    rows: list[list[float]] = []
+    for wide in widths:
+        if not rows or sum(rows[-1]) + len(rows[-1]) * gap + wide > room:
+            rows.append([])
+        rows[-1].append(wide)
+    return rows
+
+
+def _wide(who: tuple[str, str, str], unit: float) -> float:
+    """Measure who plays with its likeness."""
+    return 37 * unit + width(who[1], pixels(WHO, unit)) + width(who[2], pixels(HOW, unit))
+
+
+def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[list[tuple[str, str, str]]]:
+    """Deal who plays to lines."""
+    widths = [_wide(each, unit) for each in who]
+    counts = [len(row) for row in _dealt(widths, room, 26 * unit)]
+    starts = np.concatenate([[0], np.cumsum(counts)]).astype(int)
+    return [who[start:end] for start, end in pairwise(starts)]
+
+
+def height_of(scene: Scene, found: list[Counter], note: str) -> Callable[[float, float], float]:
+    """Give what tells how high [px] the caption of a scene becomes, by its width and the unit of type [px]."""
+    more = height_for(len(scene.look.chart or ())) if isinstance(scene.subjects[0], Recording) else 0.0
+    return lambda wide, unit: _Plan(scene, wide, unit, found, note).height + more * unit
+
+
+def charted_in(scene: Scene, left: float) -> bool:
+    """Tell whether what is left of a strip [units of type] has room for a chart that is wanted, or worth it."""
+    names = chartable(scene) if scene.look.chart is None else scene.look.chart
+    return bool(names) and isinstance(scene.subjects[0], Recording) and left >= height_for(1) - 1e-6

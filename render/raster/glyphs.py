@@ -1,5 +1,6 @@
 """Glyphs: strings rasterised once by Pillow's FreeType into an atlas, from which the canvas draws them as sprites."""
 
+import re
 from functools import cache, lru_cache
 
 import numpy as np
@@ -48,6 +49,11 @@ def _shortened(line: str, size: int, room: int) -> str:
     return line + "…"
 
 
+def _pieces(text: str, size: int) -> list[str]:
+    """Take a line that is wider than the atlas word by word."""
+    return [text] if faces.advance(text, size) <= WIDTH else re.findall(r"\S+\s*|\s+", text)
+
+
 class Atlas:
     """What sprites and clouds take from.
 
@@ -83,10 +89,9 @@ class Atlas:
         spacing: extra pixels between letters.
         """
         text = faces.seen(text)
-        pieces = list(text) if tabular or spacing else [text]
+        pieces = list(text) if tabular or spacing else _pieces(text, size)
         advances = [
-            _advance(each, size) + spacing if len(pieces) > 1 or tabular else round(faces.advance(each, size))
-            for each in pieces
+            _advance(each, size) + spacing if spacing or tabular else round(faces.advance(each, size)) for each in pieces
         ]
         total = sum(advances) - spacing
         x = round(at[0] - {"left": 0.0, "centre": 0.5, "right": 1.0}[align] * total)

@@ -134,3 +134,11 @@ def cloud(low, high, cells: tuple[int, int], first: int) -> np.ndarray:
     rows[:, PLACE : PLACE + 2], rows[:, PLACE + 2 : PLACE + 4] = low, cells / extent
     rows[:, SIZE : SIZE + 2], rows[:, TWEAK] = extent, cells[0] + 2
     return rows
+
+
+def moved(rows: np.ndarray, step: tuple[float, float]) -> np.ndarray:
+    """Move capsules, darts, boxes and sprites by whole pixels; return new rows."""
+    rows = rows.copy()
+    rows[:, PLACE : PLACE + 2] += step
+    rows[rows[:, KIND] == CAPSULE, PLACE + 2 : PLACE + 4] += step
+    return rows

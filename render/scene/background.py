@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.scene.camera import Camera, Orbit
+from render.scene.lettering import hue_of
 from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
 from render.theme import Theme
 from tiswarm.records.recording import Recording
-from tiswarm.scenario.model import World
+from tiswarm.scenario.model import Area, World
 from tiswarm.space import box
 
 GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -35,7 +35,6 @@ class Field:
 def ground(
     subject: Recording | Live,
     theme: Theme,
-    atlas: Atlas,
     unit: float,
     cameras: Sequence[Camera],
     window: np.ndarray | None,
@@ -43,32 +42,38 @@ def ground(
 ) -> np.ndarray:
     """Draw floor, grid, areas, edge, target and obstacles. unit: pixels per unit of type.
 
-    cameras: one, or one for each image of a periodic world in a window x0, y0, x1, y1 [px], which its floor then fills.
+    cameras: one, or one for each image of a periodic world. window: x0, y0, x1, y1 [px], which a floor without an end fills:
+    that of an open world, or of a periodic one with its images.
     """
     if isinstance(cameras[0], Orbit):
         return _room(subject, theme, unit, cameras[0])
     world, target = subject.scenario.world, target_of(subject)
     low, high = _corners((0, 0), world.size[:2], cameras[0]) if window is None else (window[:2], window[2:])
-    rows, lone = _floor(subject, theme, unit, low, high), window is not None and len(cameras) == 1
+    rows = _floor(subject, theme, unit, low, high, framed=window is None)
+    endless = window is not None and len(cameras) == 1
     for camera in cameras:
         low, high = _corners((0, 0), world.size[:2], camera)
+        bare = is_sky(subject)
         rows += [
-            NONE if is_sky(subject) and not lone else _grid(world, theme, unit, camera, 0.06, window if lone else None),
-            *(_area(area, theme, atlas, unit, camera) for area in world.areas),
-            *_edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras)),
+            NONE if bare and not endless else _grid(world, theme, unit, camera, 0.06, window if endless else None),
+            *(_area(area, theme, camera) for area in world.areas),
+            *([] if bare and endless else _edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras))),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
-            _obstacles(subject, theme, camera, lone=len(cameras) == 1),
+            _obstacles(subject, theme, unit, camera, lone=len(cameras) == 1),
             _arrows(field, theme, unit, camera) if field else NONE,
         ]
     return np.concatenate(rows)
 
 
-def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray, high: np.ndarray) -> list[np.ndarray]:
-    """Draw a floor that is lit in its middle; or the sky."""
-    shade = boxes(low, high, theme["shadow"], theme.shadow_alpha * 0.7, corner=6 * unit, soft=28 * unit)
+def _floor(
+    subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray, high: np.ndarray, *, framed: bool
+) -> list[np.ndarray]:
+    """Draw a floor that is lit in its middle; or the sky. framed: it ends at its corners, not at the stage's."""
+    shade = boxes(low, high, theme["shadow"], theme.shadow_alpha * 0.7, corner=6 * unit, soft=28 * unit) if framed else NONE
+    corner = 3 * unit if framed else 0.0
     if is_sky(subject):
         overhead, horizon = (colour(each) for each in theme.sky)
-        return [shade, boxes(low, high, overhead, corner=3 * unit), boxes(low, high, horizon, 0.0, 1.0, corner=3 * unit)]
+        return [shade, boxes(low, high, overhead, corner=corner), boxes(low, high, horizon, 0.0, 1.0, corner=corner)]
     reach = np.hypot(*(high - low)) / 2
     if box.rounded(subject.scenario.world.boundary):
         middle, radius = (low + high) / 2, (high - low).min() / 2
@@ -79,7 +84,7 @@ def _floor(subject: Recording | Live, theme: Theme, unit: float, low: np.ndarray
         ]
     return [
         shade,
-        boxes(low, high, theme["world"], corner=3 * unit),
+        boxes(low, high, theme["world"], corner=corner),
         discs((low + high) / 2, reach * 0.25, theme["glow"], theme.glow_alpha, soft=reach * 1.5),
     ]
 
@@ -94,12 +99,12 @@ def _edge(boundary: str, low: np.ndarray, high: np.ndarray, theme: Theme, unit: 
         return [
             rings(middle, radius, 4 * unit, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit),
             rings(middle, radius + half, 2 * half, theme["obstacle"]),
-            rings(middle, radius + half, 1.2 * unit, theme["obstacle_light"], 0.9),
+            rings(middle, radius + half, 1.2 * unit, theme["obstacle_edge"]),
         ]
     return [
         boxes(low, high, theme["shadow"], 0.5 * theme.shadow_alpha, soft=10 * unit, stroke=2 * unit),
         boxes(low - half, high + half, theme["obstacle"], corner=2 * half, stroke=half),
-        boxes(low - half, high + half, theme["obstacle_light"], 0.9, corner=2 * half, stroke=0.6 * unit),
+        boxes(low - half, high + half, theme["obstacle_edge"], corner=2 * half, stroke=0.6 * unit),
     ]
 
 
@@ -190,29 +195,23 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
     near = camera.nearness(spots)
     centre, radius = camera.place(spots), radii * camera.scale * near
     haze = Orbit.haze(near)
-    body, light = (
-        np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze for name in ("obstacle", "obstacle_light")
+    body, light, edge = (
+        np.array(theme[name]) * (1 - haze) + np.array(theme["backdrop"]) * haze
+        for name in ("obstacle", "obstacle_light", "obstacle_edge")
     )
     aside = radius[:, None] * (1.0, 1.0)
     rows = [
         discs(centre, radius, body * 0.75),
         discs(centre - aside * 0.06, radius * 0.86, body, soft=np.maximum(radius * 0.3, 1)),
         discs(centre - aside * 0.3, radius * 0.3, light, 0.8, soft=np.maximum(radius * 0.8, 1)),
+        rings(centre, radius * 0.985, np.maximum(radius * 0.03, 1.2), edge),
     ]
     return np.concatenate(rows), np.tile(near, len(rows))
 
 
-def _area(area, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
-    """Tint an area and name it once, in its upper left corner."""
-    words = area.label.lower()
-    hue = theme["danger" if "danger" in words else "safe" if "safe" in words else "line"]
-    low, high = _corners(area.region.low, area.region.high, camera)
-    tint = boxes(low, high, hue, theme.tint_alpha)
-    size, inset = round(11 * unit), 12 * unit
-    if size < 7:  # too small to read: the tint alone has to do
-        return tint
-    spot = low[0] + inset, low[1] + inset + size * 0.75
-    return np.concatenate([tint, atlas.line(area.label.upper(), spot, size, hue, 0.75, spacing=max(round(size * 0.12), 1))])
+def _area(area: Area, theme: Theme, camera: Camera) -> np.ndarray:
+    """Tint an area; its name is written above all that moves."""
+    return boxes(*_corners(area.region.low, area.region.high, camera), theme[hue_of(area.label)], theme.tint_alpha)
 
 
 def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -250,7 +249,7 @@ def _target(target, subject: Recording | Live, theme: Theme, unit: float, camera
     )
 
 
-def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera, *, lone: bool) -> np.ndarray:
+def _obstacles(subject: Recording | Live, theme: Theme, unit: float, camera: Camera, *, lone: bool) -> np.ndarray:
     """Shade obstacles like pebbles lit from the upper left. lone: no other camera shows their images."""
     if not len(subject.obstacle_radius):
         return NONE
@@ -265,6 +264,7 @@ def _obstacles(subject: Recording | Live, theme: Theme, camera: Camera, *, lone:
             discs(centre, radius, mixed(theme["obstacle"], theme["shadow"], 0.25)),
             discs(centre - aside * 0.05, radius * 0.9, theme["obstacle"], soft=np.maximum(radius * 0.18, 1)),
             discs(centre - aside * 0.3, radius * 0.3, theme["obstacle_light"], 0.75, soft=np.maximum(radius * 0.7, 1)),
+            rings(centre, np.maximum(radius - 0.5 * unit, 0.5 * unit), 1.1 * unit, theme["obstacle_edge"]),
         ]
     )
 

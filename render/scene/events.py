@@ -4,6 +4,7 @@ import numpy as np
 
 from render.raster.shapes import NONE, WINDOW, capsules, discs, rings
 from render.scene.camera import Camera
+from render.scene.signs import signs
 from render.scene.snapshot import Snapshot
 from render.scene.trajectories import ARRIVED, CAPTURED, CRASHED, Trajectories
 from render.source import target_of
@@ -11,6 +12,10 @@ from render.theme import Theme
 
 FLASH = 0.7
 """How long a death or an arrival shines [s of film]."""
+
+
+MARKED = 0.9
+"""Opacity of the marks where prey died: a little behind those that live."""
 
 
 class Fates:
@@ -33,15 +38,12 @@ class Fates:
 
     def _marks(self, now: Snapshot, camera: Camera) -> np.ndarray:
         theme, unit = self._theme, self._unit
-        (caught, taken, _), (crashed, broken, _) = (self._gone(now, camera, fate, True) for fate in (CAPTURED, CRASHED))
-        arms, half = 3.6 * unit * np.array([[1, 1], [1, -1]]), 0.8 * unit
-        crosses = [capsules(broken - arm, broken + arm, half, half, theme["crashed"], 0.6) for arm in arms]
-        return np.concatenate(
-            [
-                self._cut(rings(taken, 3.4 * unit, 1.6 * unit, theme["captured"], 0.6), caught),
-                *(self._cut(arm, crashed) for arm in crosses),
-            ]
-        )
+        rows = [NONE]
+        for fate in (CAPTURED, CRASHED):
+            agents, places, _ = self._gone(now, camera, fate, True)
+            drawn = signs(fate, places, 4.3 * unit, theme, MARKED)
+            rows.append(self._cut(drawn, np.resize(agents, len(drawn))))
+        return np.concatenate(rows)
 
     def pulses(self, now: Snapshot, camera: Camera) -> np.ndarray:
         """Let the target's ring swell, once for each arrival."""

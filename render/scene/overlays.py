@@ -7,6 +7,7 @@ from render.raster.shapes import NONE, WINDOW, capsules, colour, mixed, rings
 from render.scene.camera import Camera
 from render.scene.coverage import Coverage
 from render.scene.density import Density
+from render.scene.pursuit import chased, quarries
 from render.scene.snapshot import Snapshot
 from render.scene.springs import Springs, sprung
 from render.scene.trajectories import Trajectories
@@ -32,6 +33,7 @@ class Overlays:
         linked = {n for n, scenario in enumerate(scenarios) if sprung(scenario)} if "links" in names else set()
         self._springs = {scene: Springs(paths, scene, theme) for scene in linked}
         sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
+        self._chased = [chased(scenario) for scenario in scenarios] if "pursuit" in names else []
         self._sight = sights[paths.scene, paths.is_prey.astype(int)]
         flat = np.array([scenario.world.dim == 2 for scenario in scenarios])
         views = np.array([(scenario.predators.field_of_view, scenario.prey.field_of_view) for scenario in scenarios])
@@ -46,6 +48,8 @@ class Overlays:
             rows.append(self._density.drawn(here, camera, windows))
         if "perception" in self._names:
             rows.append(self._perception(here, camera))
+        for scene, kind in enumerate(self._chased):
+            rows.append(self._pursuit(here, camera, scene, kind))
         if "links" in self._names:
             rows.append(self._links(here, camera))
         if "velocity" in self._names:
@@ -79,6 +83,15 @@ class Overlays:
         ahead = camera.of(here.who).place(shown + 3 * self._paths.speeds(here.time, here.who))
         thick = 1.0 * self._unit
         return self._cut(capsules(here.centre, ahead, thick, thick * 0.5, self._theme["ink"], 0.75, 0.35), here.who)
+
+    def _pursuit(self, here: Snapshot, camera: Camera, scene: int, kind: str) -> np.ndarray:
+        """Draw a line from each predator to whom it chases, the fainter the nearer to that."""
+        agents, ways = quarries(self._paths, scene, kind, here.time, here.spot)
+        own = camera.of(agents)
+        start, end = own.place(here.spot[agents]), own.place(here.spot[agents] + ways)
+        hue, thick = colour(self._theme.predator), 0.8 * self._unit
+        lines = capsules(start, end, thick, 0.6 * thick, hue, 0.6, 0.25)
+        return self._cut(np.concatenate([lines, rings(end, 5 * self._unit, 1.2 * self._unit, hue, 0.5)]), np.tile(agents, 2))
 
     def _links(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Join prey that heed each other as neighbours: in view, within perception, among the nearest, of one sub-swarm.

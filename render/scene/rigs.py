@@ -13,10 +13,10 @@ from render.style import Look
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
 
-MARGIN = 0.04
-"""Free rim around the world, as a share of the stage's shorter edge."""
+MARGIN = 0.014
+"""Free rim around the world, as a share of the stage's shorter edge: room for a wall."""
 
-RIM = 0.018
+RIM = 0.012
 """Free rim around agents that leave the world: they only must not touch the edge."""
 
 FOLLOWED = 0.5

@@ -26,6 +26,9 @@ READABLE, CROWD = 5.2, 60
 ABOVE = 1.5
 """Agents above a cloud of others are this much larger than READABLE."""
 
+LABEL, LEAST = 15, 9
+"""Size of agents' numbers [units of type], and the smallest that can be read [px]."""
+
 CROWDED = 20_000
 """From this many prey, or predators, on, a cloud shows where they are."""
 
@@ -43,7 +46,7 @@ class Scene:
         unit: pixels per unit of type, by which small things are sized. atlas: what clouds are written to. knots: points of a
         trail per tick; 2 make round curves.
 
-        Errors: as `Motion`.
+        Errors: as `Trajectories`, and ValueError for the label of an agent that does not exist.
         """
         self.subjects, self.look, self.unit, self.theme = subjects, look, unit, look.colours
         behind = look.trail * look.speed
@@ -58,7 +61,18 @@ class Scene:
         self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
         self.coverage = self._overlays.coverage
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
+        self._atlas = atlas
+        self._followed = np.array([] if look.followed is None else self._numbered(look.followed), int)
+        most = int(np.bincount(self.paths.scene).max())
+        if max(look.label, default=0) >= most:
+            raise ValueError(f"label: no agent {max(look.label)}; use 0 to {most - 1}, prey first")
+        self._named = {agent: str(number) for number in look.label for agent in self._numbered(number)}
         self._size_up()
+
+    def _numbered(self, number: int) -> list[int]:
+        """Find who has a number in each subject, where prey come first."""
+        each = [np.flatnonzero(self.paths.scene == n) for n in range(len(self.subjects))]
+        return [int(agents[number]) for agents in each if number < len(agents)]
 
     def _size_up(self) -> None:
         """Find out what about each agent never changes: [agent]."""
@@ -93,8 +107,20 @@ class Scene:
             paints = paints * (1 - haze) + np.array(self.theme["backdrop"]) * haze
         drawn = [*self._predators(here, reach, paints), *self._prey(here, reach, paints)]
         rows += self._by_depth(drawn, here, camera) if isinstance(camera, Orbit) else [each for each, _ in drawn]
+        rows.append(self._chosen(here, reach))
         if gone:
             rows.append(self._fates.flashes(here, camera))
+        return np.concatenate(rows)
+
+    def _chosen(self, here: Snapshot, reach: np.ndarray) -> np.ndarray:
+        """Ring the agent that the camera follows, and write the numbers of those that have labels beside them."""
+        ringed = np.flatnonzero(np.isin(here.who, self._followed))
+        ink, thick, size = self.theme["ink"], max(1.4 * self.unit, 1.0), max(round(LABEL * self.unit), LEAST)
+        rows = [self._cut(rings(here.centre[ringed], 3.2 * reach[ringed], thick, ink, 0.9), here.who[ringed])]
+        for row in np.flatnonzero(np.isin(here.who, list(self._named))):
+            x, y = here.centre[row] + np.array((1.8, -1.2)) * reach[row]
+            words = self._atlas.line(self._named[int(here.who[row])], (x, y), size, ink)
+            rows.append(self._cut(words, np.repeat(here.who[row], len(words))))
         return np.concatenate(rows)
 
     def _around(self, camera: Camera, windows: np.ndarray) -> np.ndarray | None:

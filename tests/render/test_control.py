@@ -17,7 +17,7 @@ from render.style import Look
 from tiswarm.records.recording import Recording
 
 FOLDER = Path(__file__).parent / "control"
-SIZE = (320, 180)
+SIZE = (240, 136)
 LOOKS: dict[str, dict[str, object]] = {
     **{f"theme-{name}": {"theme": name} for name in render.THEMES},
     **{f"overlay-{name}": {"overlay": (name,)} for name in render.OVERLAYS},

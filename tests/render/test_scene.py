@@ -14,6 +14,8 @@ from render.composition import Composition
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, colour, encoded
+from render.scene.camera import Camera
+from render.scene.snapshot import now
 from render.style import Look
 
 SIZE = (480, 270)
@@ -84,6 +86,7 @@ def test_every_size_can_be_drawn(chase, size):
         {"overlay": render.OVERLAYS},
         {"camera": "follow"},
         {"camera": "follow:8"},
+        {"label": (3, 7)},
         {"camera": "orbit"},
         {"camera": ((20.0, 10.0), (50.0, 40.0))},
         {"trail": 0},
@@ -126,6 +129,21 @@ def test_several_recordings_stand_side_by_side(make, count):
     assert len(np.unique(picture(subjects, 4.5))) > 20
     stage = Composition(subjects, SIZE, Look(), yuv=False)
     assert list(stage.times(10))[-1] >= 4 + count - 1
+
+
+def test_who_is_followed_or_labelled_is_marked_until_it_is_gone(chase):
+    """Agent 0 is captured at tick 3."""
+    for look in ({"label": (0,)}, {"camera": "follow:0"}):
+        scene = Composition(chase, SIZE, Look(**look), yuv=False).scene
+        here = [len(scene._chosen(*_looked(scene, time))) for time in (2.0, 5.0)]
+        assert here == [1, 0], look
+    with pytest.raises(ValueError, match="label: no agent 11; use 0 to 10"):
+        Composition(chase, SIZE, Look(label=(11,)), yuv=False)
+
+
+def _looked(scene, time):
+    here = now(scene.paths, time, Camera(np.array([50.0, 25.0]), np.array([240.0, 135.0]), 4.0), None, scene._lone)
+    return here, np.full(len(here.who), 5.0)
 
 
 def test_no_recording_is_refused():
@@ -185,7 +203,7 @@ def test_a_wide_world_fills_a_wide_frame(make, size):
 
 
 def test_whoever_leaves_the_world_stays_in_the_picture(make):
-    stage = Composition(make(ticks=40, predators=12), (1280, 720), Look(), yuv=False)
+    stage = Composition(make(ticks=15, predators=12), (1280, 720), Look(), yuv=False)
     recording, held, box = stage.scene.subjects[0], stage.rigs[0], stage.boxes[0]
     spots = np.concatenate([held.at(0.0).place(each.position).reshape(-1, 2) for each in (recording.prey, recording.predators)])
     assert (spots > (box.left, box.top)).all()

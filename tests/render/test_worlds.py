@@ -158,7 +158,7 @@ def test_only_what_can_happen_is_counted():
         return [counter.name for counter in counters(Composition(recording, SIZE, Look(**look), yuv=False).scene)]  # type: ignore[arg-type]
 
     assert names(world(still)) == []
-    assert names(world(still), overlay=("coverage",)) == ["cleaned"]
+    assert names(world(still), overlay=("coverage",)) == ["covered"]
     assert names(world(still, hunter, **{"predators.count": 1})) == ["alive", "captured"]
     assert names(world(still, hunter, **{"predators.count": 1, "world.contact": "none"})) == []
     assert names(world(still, obstacles=2, **{"target.present": True})) == ["alive", "arrived", "crashed"]

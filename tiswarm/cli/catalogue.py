@@ -4,6 +4,7 @@ import sys
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from tiswarm.cli.options import Sets, StrategyPath, WrongInput, load_scenario, out, with_common_options
@@ -20,8 +21,8 @@ def presets(
     for folder in strategy_path or []:
         registry.add_path(folder)
     table = Table(box=None, show_header=False, pad_edge=False)
-    for name, file in shelf.presets().items():
-        table.add_row(name, shelf.read_toml(file).get("title", ""))
+    for name in shelf.presets():
+        table.add_row(name, escape(shelf.title(name)))
     out.print(table)
     out.print("\nStudies, for 'tiswarm bench':")
     table = Table(box=None, show_header=False, pad_edge=False)

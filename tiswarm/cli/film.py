@@ -21,17 +21,13 @@ from tiswarm.cli.options import (
     Threads,
     WrongInput,
     frame_rate,
-    load_scenario,
     out,
     pair,
-    plain_name,
     start,
 )
+from tiswarm.cli.subjects import FIELDS, again, chosen, counted, field, is_live, longest, middle, names, played
 from tiswarm.system.files import check_writable
 from tiswarm.system.progress import begin_work, reporting
-
-FIELDS = ("field", "plan")
-"""Overlays that are sampled before a film begins."""
 
 
 def film(
@@ -52,7 +48,9 @@ def film(
     best: Annotated[bool, typer.Option("--best", help="With a manifest: the cell's trial with the best outcome.")] = False,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="The film: .mp4, .webm or .gif; out/NAME-TRIAL.mp4 when left out."),
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="The film: .mp4, .webm, .gif or .webp; out/NAME-TRIAL.mp4 by default."
+        ),
     ] = None,
     grid: Annotated[
         str | None, typer.Option("--grid", metavar="CxR", help="Film C x R trials at once, from --trial on.")
@@ -65,20 +63,45 @@ def film(
         Path | None, typer.Option("--poster", metavar="FILE", help="Also write the liveliest frame as an image.")
     ] = None,
     sheet: Annotated[Path | None, typer.Option("--sheet", metavar="FILE", help="Also write a contact sheet.")] = None,
-    size: Size = "1280x720",
+    subtitles: Annotated[
+        Path | None, typer.Option("--subtitles", metavar="FILE", help="Also write what happens as subtitles (.vtt).")
+    ] = None,
+    purpose: Annotated[
+        str | None,
+        typer.Option("--for", metavar="USE", help="slide, square, phone or paper: size, theme and length in one word."),
+    ] = None,
+    size: Annotated[
+        str | None, typer.Option("--size", metavar="WxH", help="Width and height in pixels, both even; 1280x720 when left out.")
+    ] = None,
     fps: Fps = None,
-    speed: Annotated[float, typer.Option("--speed", metavar="N", help="Ticks per second of film.")] = 10.0,
+    speed: Annotated[
+        float | None, typer.Option("--speed", metavar="N", help="Ticks per second of film; 10 when left out.")
+    ] = None,
     trail: Annotated[float, typer.Option("--trail", metavar="S", help="Seconds that trails last; 0 for none.")] = 2.5,
-    theme: Theme = "dark",
+    theme: Annotated[str | None, typer.Option("--theme", metavar="NAME", help="dark, light or print.")] = None,
     quality: Annotated[str, typer.Option("--quality", metavar="NAME", help="draft, good or best.")] = "good",
     camera: Annotated[
         str, typer.Option("--camera", metavar="NAME", help="fit, follow, follow:AGENT, orbit, or a box x0,y0,x1,y1.")
     ] = "fit",
     overlay: Annotated[
         str,
-        typer.Option("--overlay", metavar="A,B", help="Any of perception, velocity, links, density, coverage, field, plan."),
+        typer.Option("--overlay", metavar="A,B", help="perception, velocity, links, pursuit, density, coverage, field, plan."),
     ] = "",
+    label: Annotated[
+        str, typer.Option("--label", metavar="K,L", help="Write the numbers of these agents beside them, prey first.")
+    ] = "",
+    chart: Annotated[
+        str | None,
+        typer.Option("--chart", metavar="A,B", help="Chart alive, polarisation, ...; none. Where space is left when left out."),
+    ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
+    story: Annotated[
+        bool, typer.Option("--story", help="Tell what happens in words, number who took part, and slow down around captures.")
+    ] = False,
+    cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
+    loop: Annotated[
+        bool, typer.Option("--loop", help="Let the end run into the beginning, to be shown again and again; without cards.")
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -90,17 +113,24 @@ def film(
     # Long by its options, of which it has many: a verb's signature is its help.
     import render
 
-    overlays = tuple(name for name in _names(overlay) if name not in FIELDS)
-    look = {"theme": theme, "speed": speed, "trail": trail, "camera": _camera(camera), "overlay": overlays, "slow": slow}
-    render.Look(**look)  # wrong choices are told before anything runs
-    pixels = pair(size, "--size", "1280x720")
+    use = _use(purpose)
+    overlays = tuple(name for name in names(overlay) if name not in FIELDS)
+    theme = theme or (use.theme if use else "dark")
+    look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
+    look["label"] = _numbers(label)
+    look |= {"slow": slow, "story": story, "cards": cards and not loop, "loop": loop}
+    look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
+    render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
+    pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
     rate = frame_rate(fps)
     planned = output or Path("out") / "film.mp4"  # its name is not known yet, its format is
     render.check_film(planned, pixels, rate, quality)
     for image in (poster, sheet):
         if image is not None:
             render.check_image(image)
-    for each in (planned, poster, sheet):
+    if subtitles is not None and subtitles.suffix.lower() != ".vtt":
+        raise WrongInput(f"--subtitles {subtitles}: unknown format; name a file that ends in .vtt")
+    for each in (planned, poster, sheet, subtitles):
         if each is not None:
             check_writable(each.parent)
     picks = [pick for pick, wanted in (("worst", worst), ("median", median), ("best", best)) if wanted]
@@ -111,78 +141,42 @@ def film(
 
         study = Rebuilt(Path(source))
         start(0, threads, study.precision, strategy_path)
-        subject, name = _counted(study, cell, trial, picks, quiet)
+        subject, name = counted(study, cell, trial, picks, quiet)
     elif cell is not None or picks:
         raise WrongInput(f"--cell, --worst, --median, --best: {source} is no manifest; film out/STUDY/manifest.json")
     else:
         start(seed, threads, precision, strategy_path)
-        subject, name = _subject(source, sets, trial, seed, grid, versus)
-    for name in FIELDS:
-        if name in _names(overlay):
-            look["field"] = _field(subject, name)
+        subject, name = chosen(source, sets, trial, seed, grid, versus)
+    for option, wanted in (("--subtitles", subtitles is not None), ("--story", story)):
+        if wanted and (isinstance(subject, list) or is_live(subject)):
+            raise WrongInput(f"{option}: needs one recorded trial; film one, of few agents")
+    look["speed"] = speed if speed is not None else max(10.0, longest(subject) / use.seconds) if use else 10.0
+    if subtitles is not None:
+        render.subtitles(subject, subtitles, rate or render.check_film(planned, pixels, rate, quality)[1], **look)
+    for sampled in FIELDS:
+        if sampled in names(overlay):
+            look["field"] = field(subject, sampled)
     _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
     if poster is not None:
-        render.poster(_again(subject), poster, size=pixels, time=_middle(subject), **look)
+        render.poster(again(subject), poster, size=pixels, time=middle(subject), **look)
     if sheet is not None:
-        render.sheet(_again(subject), sheet, **look)
+        render.sheet(again(subject), sheet, **look)
 
 
-def _played(scenario: Any, trial: int, seed: int) -> Any:
-    """Give a trial to film: a recording, or a large swarm that runs while it is filmed."""
-    import tiswarm
-    from tiswarm.engine.choice import engine_of
-
-    if engine_of(scenario) == "grid":
-        return tiswarm.Simulation(scenario, seed, trial)
-    return tiswarm.record(scenario, trial, seed)
-
-
-def _again(subject: Any) -> Any:
-    """Start simulations anew, which a film has used up."""
-    if isinstance(subject, list):
-        return [_again(each) for each in subject]
-    return _played(subject.scenario, subject.trial, subject.seed) if _is_live(subject) else subject
-
-
-def _is_live(subject: Any) -> bool:
-    import tiswarm
-
-    return isinstance(subject, tiswarm.Simulation)
-
-
-def _middle(subject: Any) -> float | None:
-    """Give the time of a live simulation's poster; a recording knows its liveliest moment."""
-    subjects = subject if isinstance(subject, list) else [subject]
-    return max(each.ticks for each in subjects) / 2 if any(_is_live(each) for each in subjects) else None
-
-
-def _field(subject: Any, name: str) -> Any:
-    """Sample the field of the obstacles of one recording, or its planned ways, to be drawn as arrows."""
+def _use(name: str | None) -> Any:
+    """Give what suits a use."""
     import render
-    from tiswarm.engine.trials.trial import field
-    from tiswarm.engine.trials.ways import planned
 
-    if isinstance(subject, list) or _is_live(subject):
-        raise WrongInput(f"--overlay {name}: needs one recorded trial; film one, of few agents")
-    return render.Field(*(field if name == "field" else planned)(subject))
+    if name is not None and name not in render.USES:
+        raise WrongInput(f"--for: unknown {name!r}; use one of {', '.join(render.USES)}")
+    return render.USES[name] if name else None
 
 
-def _counted(study: Any, cell: int | None, trial: int, picks: list[str], quiet: bool) -> tuple[Any, str]:
-    """Give a recording of a trial that a study counted, and a name for the file."""
-    if cell is None:
-        raise WrongInput("--cell: missing; name a cell by its number in cells.csv, for example --cell 0")
-    if len(picks) + bool(trial) > 1:
-        raise WrongInput("--trial, --worst, --median, --best: use one of them")
-    if picks:
-        trial = study.picked(cell, picks[0])
-    recording = study.record(cell, trial)
-    if not quiet:
-        out.print(study.described(cell, trial))
-    return recording, study.name(cell, trial)
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",") if name.strip())
+def _numbers(text: str) -> tuple[int, ...]:
+    """Read the numbers of agents."""
+    if not all(name.isdecimal() for name in names(text)):
+        raise WrongInput(f"--label {text}: write agents' numbers, for example --label 3,7")
+    return tuple(int(name) for name in names(text))
 
 
 def _camera(text: str) -> Any:
@@ -196,36 +190,6 @@ def _camera(text: str) -> Any:
     return ((x0, y0), (x1, y1))
 
 
-def _subject(
-    source: str, sets: list[str] | None, trial: int, seed: int, grid: str | None, versus: str | None
-) -> tuple[Any, str]:
-    """Give what to film, one recording or several, and a name for the file."""
-    import tiswarm
-
-    if source.endswith(".npz"):
-        if sets or grid or versus:
-            raise WrongInput(f"{source}: a recording is what it is; film a preset to use --set, --grid or --versus")
-        if not Path(source).is_file():
-            raise WrongInput(f"{source}: no such file; record one with tiswarm.record(...).save(...)")
-        return tiswarm.Recording.load(source), Path(source).stem
-    if grid and versus:
-        raise WrongInput("--grid, --versus: use one of them")
-    plain = plain_name(source)
-    if versus:
-        strategies = _names(versus)
-        if len(strategies) < 2:
-            raise WrongInput(f"--versus {versus}: name two prey strategies or more, for example --versus evasive,split-evasive")
-        scenarios = [load_scenario(source, [*(sets or []), f"prey.strategy={name}"]) for name in strategies]
-        return [_played(scenario, trial, seed) for scenario in scenarios], f"{plain}-{trial}-versus"
-    scenario = load_scenario(source, sets)
-    if grid:
-        columns, rows = pair(grid, "--grid", "4x4")
-        if not 1 <= columns * rows <= 100:
-            raise WrongInput(f"--grid {grid}: film 1 to 100 trials at once")
-        return [_played(scenario, trial + k, seed) for k in range(columns * rows)], f"{plain}-{trial}-grid"
-    return _played(scenario, trial, seed), f"{plain}-{trial}"
-
-
 def demo(
     name: Annotated[str, typer.Argument(metavar="[NAME]", help="A preset under demo/.")] = "hawk",
     output: Annotated[
@@ -234,6 +198,7 @@ def demo(
     size: Size = "1280x720",
     fps: Fps = None,
     theme: Theme = "dark",
+    cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
     seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Another seed than the showcase's.")] = None,
     threads: Threads = None,
     precision: Precision = "f32",
@@ -251,8 +216,8 @@ def demo(
     start(seed or 0, threads, precision)
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
-    subject = _played(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(subject, path, pixels, rate, quiet, theme=theme)
+    subject = played(scenario, chosen.trial, chosen.seed if seed is None else seed)
+    _film(subject, path, pixels, rate, quiet, theme=theme, cards=cards)
 
 
 def _film(subject: Any, path: Path, size: tuple[int, int], rate: Fraction | None, quiet: bool, **look: Any) -> None:

@@ -69,4 +69,4 @@ def _keys(model: Any, path: list[str]) -> list[str]:
         field = getattr(model, "model_fields", {}).get(name)
         inner = get_args(field.annotation)[0] if field and get_args(field.annotation) else field and field.annotation
         model = model if name.isdecimal() else inner
-    return list(getattr(model, "model_fields", {}))
+    return [field.alias or name for name, field in getattr(model, "model_fields", {}).items()]

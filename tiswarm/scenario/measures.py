@@ -13,6 +13,9 @@ Measure = Literal[
 
 MEASURED: tuple[str, ...] = get_args(Measure)
 
+Shown = Literal["nearest", "polarisation", "milling", "speed", "groups", "kinetic", "potential"]
+"""What a film's caption may say of every moment (`film.measures`)."""
+
 COVERED = {"time-to-50": 0.50, "time-to-90": 0.90, "time-to-95": 0.95, "time-to-99": 0.99}
 """Measures of when so large a share of the ground was swept."""
 

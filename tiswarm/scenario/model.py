@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from tiswarm.scenario import checks, network
 from tiswarm.scenario.errors import ScenarioError, explained
-from tiswarm.scenario.measures import Measure
+from tiswarm.scenario.measures import Measure, Shown
 from tiswarm.scenario.overrides import overridden
 from tiswarm.scenario.parts import (
     MOST_AGENTS,
@@ -30,6 +30,7 @@ from tiswarm.scenario.parts import (
 )
 from tiswarm.scenario.picture import card_of
 from tiswarm.scenario.planning import Planning
+from tiswarm.scenario.words import KINDS, Words, titled
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
@@ -221,6 +222,12 @@ class Measures(Part):
     path: Positive = 20.0  # m, see `window`
 
 
+class Film(Part):
+    """What a film says beyond who lives."""
+
+    measures: Annotated[tuple[Shown, ...], Field(max_length=3)] = ()  # what its caption tells, up to three
+
+
 class Showcase(Part):
     """The trial that `tiswarm demo` films."""
 
@@ -228,12 +235,18 @@ class Showcase(Part):
     trial: Annotated[int, Field(strict=True, ge=0)] = 0  # its number
 
 
+UNCOUNTED = ("preset", "title", "source", "words", "film", "showcase")
+"""Keys of a scenario that change nothing of what it computes."""
+
+
 class Scenario(Part):
     """A whole scenario: everything that a trial needs but its seed and number."""
 
     preset: str = ""  # what it was loaded from; a file's name without its folder
-    title: str = "Untitled"  # what it is, in a line: the title of films and tables
+    template: str = Field("Untitled", alias="title", description="what it is, in a line that may count its agents")
     source: str = ""  # where it comes from
+    words: Words = Words()
+    film: Film = Film()
     showcase: Showcase = Showcase()
     world: World = World()
     target: Target = Target()
@@ -260,7 +273,13 @@ class Scenario(Part):
     @model_validator(mode="after")
     def _fits_the_world(self) -> Self:
         checks.check(self)
+        assert self.title is not None  # one that cannot be filled in is told now
         return self
+
+    @property
+    def title(self) -> str:
+        """Give the title, its counts filled in."""
+        return titled(self.template, self.words, {kind: getattr(self, kind).count for kind in KINDS})
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
@@ -288,8 +307,8 @@ class Scenario(Part):
         return tomlkit.dumps(plain(self))
 
     def hash(self) -> str:
-        """Name the scenario by what it computes: its preset, title, source and showcase do not count."""
-        told = {key: value for key, value in plain(self).items() if key not in ("preset", "title", "source", "showcase")}
+        """Name the scenario by what it computes: its preset, title and the like do not count."""
+        told = {key: value for key, value in plain(self).items() if key not in UNCOUNTED}
         for kind in ("prey", "predators"):
             steered = self.network(kind)
             if steered is not None:

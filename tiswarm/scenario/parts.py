@@ -102,7 +102,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, Box):
         return [list(value.low), list(value.high)]
     if isinstance(value, Part):
-        return {key: plain(getattr(value, key)) for key in type(value).model_fields}
+        return {field.alias or key: plain(getattr(value, key)) for key, field in type(value).model_fields.items()}
     if isinstance(value, Weights):
         return dict(value)
     if isinstance(value, tuple):

@@ -10,6 +10,7 @@ from typing import Any
 
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario, validated
+from tiswarm.scenario.words import titled_table
 from tiswarm.strategies import registry
 from tiswarm.system.files import read_bounded
 from tiswarm.system.words import did_you_mean, reason
@@ -33,6 +34,11 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
     if file not in known or "world.dt" in (overrides or {}):
         _warn_of_ticks(scenario)
     return scenario
+
+
+def title(preset: str) -> str:
+    """Give the title of a preset by name, its counts filled in, without checking the rest of it. Errors: ScenarioError."""
+    return titled_table(_table(preset))
 
 
 def _warn_of_ticks(scenario: Scenario) -> None:

@@ -3,6 +3,7 @@
 import difflib
 import errno
 import os
+import re
 
 LONGEST_WORD = 240
 LONGEST_LINE = 1200
@@ -67,5 +68,48 @@ def reason(error: OSError) -> str:
     return happened[0].lower() + happened[1:] + (f"; {mend}" if mend else "")
 
 
+SMALL = (
+    *("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen"),
+    *("fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen"),
+)
+TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+
+
+def spelt(number: int) -> str:
+    """Write a number in words where these are few, such as "fifty thousand", else in figures."""
+    for size, name in ((1_000_000, "million"), (1000, "thousand"), (100, "hundred")):
+        if number >= size:
+            many, rest = divmod(number, size)
+            if rest or many >= 1000:
+                return grouped(number)
+            return f"a {name}" if many == 1 else f"{spelt(many)} {name}"
+    if number < len(SMALL):
+        return SMALL[number]
+    tens, ones = divmod(number, 10)
+    return TENS[tens - 2] + (f"-{SMALL[ones]}" if ones else "")
+
+
+def grouped(number: int) -> str:
+    """Write a number with its thousands apart."""
+    return f"{number:,}".replace(",", "\u00a0")
+
+
+def plural(noun: str, count: int) -> str:
+    """Give the English noun for so many; noun: of one, and of several behind a stroke where it is irregular ("fish/fish")."""
+    one, stroke, more = noun.partition("/")
+    if count == 1:
+        return one
+    if stroke:
+        return more
+    if re.search("(s|x|z|ch|sh)$", one):
+        return one + "es"
+    return one[:-1] + "ies" if re.search("[^aeiou]y$", one) else one + "s"
+
+
 def _escaped(character: str) -> str:
     return " " if character in "\n\t" else character.encode("unicode_escape").decode("ascii")
+
+
+def listed(words: list[str]) -> str:
+    """Write words as a list: "1, 2 and 3"."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

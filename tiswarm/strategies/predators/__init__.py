@@ -24,6 +24,8 @@ class Predator:
     live: the weight that, when not 0, lets `consult` do on the host what `survey` does in kernels: single trials only.
     flocks: whether the scenario's separation, cohesion and alignment act.
     rules: whether `pursue` gives the velocity itself, so that nothing else adds to it.
+    chases: whom it goes for, for films: "swarm" (the middle of the alive prey), "group" (of those of its own), "one" (the
+        weight `pursuit` says which: "nearest" or "cycle"); "" where that cannot be said.
     networked: whether a network, the file that the weight `network` names, sets gains or velocity by what is noted.
     """
 
@@ -38,6 +40,7 @@ class Predator:
     live: str = ""
     flocks: bool = True
     rules: bool = False
+    chases: str = ""
     networked: bool = False
 
     @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from tiswarm.strategies.predators import Predator
 class Strategy(Predator):
     """Lupau 2022, section 6.3, centre steering: g - p."""
 
+    chases = "swarm"
     dimensions = (2, 3)
 
     @staticmethod

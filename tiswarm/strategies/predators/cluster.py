@@ -22,6 +22,7 @@ class Strategy(Predator):
     drawn anew every tick (`labels = "redrawn"`). With "kept" sub-swarms have the numbers of their first prey for all.
     """
 
+    chases = "group"
     dimensions = (2, 3)
     # The sub-swarm it chases and the predators it flocks with, counted from 1, 0 before the first tick; the centre it chases.
     memory = ("group", "squad", "chased*")

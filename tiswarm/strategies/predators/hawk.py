@@ -12,6 +12,7 @@ from tiswarm.strategies.predators import Predator
 class Strategy(Predator):
     """Rivera 2017 (UCLA M20 final project), section 1.2: the velocity is max_speed u(target - h), with no inertia."""
 
+    chases = "one"
     dimensions = (2, 3)
     flocks = False
     rules = True

@@ -12,6 +12,8 @@ class Strategy(Predator):
     s = |V × l|/max_speed, V the part of the prey's mean velocity that leads to the target.
     """
 
+    chases = "swarm"
+
     @staticmethod
     @ti.func
     def pursue(me, quarry, target, notes, weights):

@@ -1,0 +1,35 @@
+"""Loop: a film whose end runs into its beginning: its last frames cross-fade into its first ones, which it begins after."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from render.composition import Composition
+from render.raster.framebuffer import Framebuffer
+from render.timeline import Rate
+
+LONGEST = 1.0
+"""A cross-fade lasts as long as trails do, and at most this [s of film]."""
+
+
+def faded(stage: Composition, fps: Rate) -> int:
+    """Count the frames of the cross-fade."""
+    return max(min(round(min(stage.look.trail, LONGEST) * float(fps)), stage.length(fps) // 3), 1)
+
+
+def drawn(stage: Composition, fps: Rate, blank: Callable[[], Framebuffer]) -> Iterator[Framebuffer]:
+    """Draw the frames of a film, in a loop or not, each on a plate that `blank` gives."""
+    overlap = faded(stage, fps) if stage.look.loop else 0
+    last = stage.length(fps) - overlap
+    spare, first = stage.canvas.blank(), list[np.ndarray]()
+    for n, shot in enumerate(stage.shots(fps)):
+        if n < overlap:
+            first.append(stage.shot(shot, spare).copy())
+            continue
+        plate = blank()
+        stage.shot(shot, plate)
+        if overlap and n >= last:
+            share = (n - last + 1) / (overlap + 1)
+            plate.bytes[:] = np.rint(plate.bytes * (1 - share) + first[n - last] * share)
+            plate.ground = -1  # it is not what was drawn on it any more
+        yield plate

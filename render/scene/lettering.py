@@ -1,0 +1,71 @@
+"""Lettering: what is written on the stage, above all that moves: names of areas, and a bar that tells how long a metre is."""
+
+import numpy as np
+
+from render.raster.glyphs import Atlas, width
+from render.raster.shapes import NONE, capsules
+from render.scene.camera import Camera, Orbit
+from render.source import Live
+from render.theme import Theme
+from tiswarm.records.recording import Recording
+
+NAME, LENGTH = 11, 14
+"""Sizes of areas' names and of the bar's length [units of type]."""
+
+LEAST = 7
+"""Smaller letters than this [px] are left out: the tint of an area alone has to do."""
+
+INSET, TICK = 12, 5
+"""Room around words, and half the height of the bar's ends [units of type]."""
+
+SPAN = 0.18
+"""The bar is at most this share of the stage's width."""
+
+
+def names(subject: Recording | Live, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
+    """Name each area of a flat world once, in its lower left corner. unit: pixels per unit of type."""
+    size, inset, rows = round(NAME * unit), INSET * unit, [NONE]
+    if size < LEAST or isinstance(camera, Orbit):
+        return NONE
+    for area in subject.scenario.world.areas:
+        left, base = camera.place(np.array([area.region.low], float))[0] + (inset, -inset)
+        hue = theme.label(hue_of(area.label))
+        rows.append(atlas.line(area.label.upper(), (left, base), size, hue, spacing=max(round(size * 0.12), 1)))
+    return np.concatenate(rows)
+
+
+def hue_of(label: str) -> str:
+    """Give the theme's colour for an area of some name."""
+    meant = label.lower()
+    return "danger" if "danger" in meant else "safe" if "safe" in meant else "line"
+
+
+def scale_bar(edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
+    """Draw a bar of a round length in the lower right corner of a stage that a flat camera shows.
+
+    edges: x0, y0, x1, y1 [px]. unit: pixels per unit of type.
+    """
+    size = round(LENGTH * unit)
+    if isinstance(camera, Orbit) or size < LEAST:
+        return NONE
+    metres = rounded(SPAN * (edges[2] - edges[0]) / camera.scale)
+    right, y, hue = edges[2] - INSET * unit, edges[3] - INSET * unit, theme.label("line")
+    left, half = right - metres * camera.scale, max(0.8 * unit, 0.6)
+    ends = np.array([(left, y - TICK * unit), (left, y), (right, y), (right, y - TICK * unit)])
+    words = atlas.line(length(metres), ((left + right) / 2, y - 7 * unit), size, hue, align="centre")
+    if width(length(metres), size) > right - left:  # beside the bar where it is too short to stand above it
+        words = atlas.line(length(metres), (left - 6 * unit, y), size, hue, align="right")
+    return np.concatenate([capsules(ends[:-1], ends[1:], half, half, hue, 1.0, group=1), words])
+
+
+def rounded(most: float) -> float:
+    """Give the largest of 1, 2, 5, 10, 20, ... and 0.5, 0.2, ... that is not above a length."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(each * power for each in (1, 2, 5) if each * power <= most * (1 + 1e-9)))
+
+
+def length(metres: float) -> str:
+    """Write a round length with its unit."""
+    if metres >= 1000:
+        return f"{metres / 1000:g} km"
+    return f"{metres:g} m" if metres >= 0.1 else f"{100 * metres:g} cm"
