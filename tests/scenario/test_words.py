@@ -6,7 +6,7 @@ import tiswarm
 from tiswarm.scenario import presets
 from tiswarm.scenario.changes import changes
 from tiswarm.scenario.errors import ScenarioError
-from tiswarm.scenario.words import told
+from tiswarm.scenario.words import Words, literal, titled, told
 from tiswarm.system.words import plural, spelt
 
 pytestmark = pytest.mark.quick
@@ -106,3 +106,10 @@ def test_words_change_nothing_that_is_computed():
     assert scenario.replaced({"words.prey": "mouse/mice", "film.measures": ["speed"]}).hash() == scenario.hash()
     with pytest.raises(ScenarioError, match=r"film\.measures"):
         tiswarm.load("delft/pronav-10", {"film.measures": ["beauty"]})
+
+
+@pytest.mark.parametrize(
+    "title", ["", "plain", "[a|b]", "{prey.count} [x", "{what}", "a}b{", "{[]}", "{{prey}}", "]]{", "[{predators}|none]"]
+)
+def test_a_title_from_elsewhere_stays_as_it_is(title):
+    assert titled(literal(title), Words(), {"prey": 1, "predators": 0, "obstacles": 0}) == title

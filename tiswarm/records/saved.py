@@ -17,6 +17,7 @@ from tiswarm.records.labels import named
 from tiswarm.records.recording import Recording, Swarm
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario, validated
+from tiswarm.scenario.words import literal
 from tiswarm.strategies import registry
 
 _LISTS: dict[registry.Kind, str] = {"prey": "swarm_agents", "predators": "projectiles"}
@@ -133,7 +134,7 @@ def _scenario(
     edges = {"danger area": (0.0, danger), "safe area": (danger, danger + safe)}
     words = (str(told.get("timestamp", "")), str(told.get("associated_config_file", "")))
     table: dict[str, Any] = {
-        "title": str(told.get("name", "")) or "Untitled",
+        "title": literal(str(told.get("name", ""))) or "Untitled",
         "source": ", ".join(["saved by the thesis's simulator", *(each for each in words if each)]),
         "world": {
             "size": [danger + safe, height],

@@ -13,6 +13,7 @@ KINDS = ("prey", "predators", "obstacles")
 
 _FIELD = re.compile(r"\{(\w+)(?:(\.\w*)|:([^{}|]*)\|([^{}|]*))?\}")
 _CLAUSE = re.compile(r"\[((?:[^\[\]{}|]|\{[^{}]*\})*)(?:\|((?:[^\[\]{}|]|\{[^{}]*\})*))?\]")
+_ESCAPED = {"{{": "\1", "}}": "\2", "[[": "\3", "]]": "\4"}
 _ONE = "\0"  # stands for "a" or "an" until the word behind it is known
 
 
@@ -34,10 +35,14 @@ def titled(template: str, words: Words, counts: Mapping[str, int]) -> str:
 
     "{prey.count}" is their number, spelt out where that is short, "{prey}" what they are called, "{prey:runs|run}" either word
     by whether they are one or more. "[...]" is left out when something that it counts is not there; "[...|...]" then says
-    what is behind the stroke.
+    what is behind the stroke. "{{", "}}", "[[" and "]]" are single ones in such a title; one without a "{" is what it is.
 
     Errors: ScenarioError for an unknown field.
     """
+    if "{" not in template:
+        return template
+    for twice, mark in _ESCAPED.items():
+        template = template.replace(twice, mark)
 
     def clause(found: re.Match) -> str:
         there = all(counts.get(field[1], 1) for field in _FIELD.finditer(found[1]))
@@ -54,9 +59,16 @@ def titled(template: str, words: Words, counts: Mapping[str, int]) -> str:
             return _ONE if counts[kind] == 1 else spelt(counts[kind])
         return words.noun(kind, counts[kind])
 
-    line = _FIELD.sub(field, _CLAUSE.sub(clause, template) if "{" in template else template)
+    line = _FIELD.sub(field, _CLAUSE.sub(clause, template))
     line = re.sub(f"{_ONE}( +[aeiou])", r"an\1", line, flags=re.IGNORECASE).replace(_ONE, "a")
+    for twice, mark in _ESCAPED.items():
+        line = line.replace(mark, twice[0])
     return line[:1].upper() + line[1:] if template[:1] in "{[" else line
+
+
+def literal(title: str) -> str:
+    """Write a title that comes from elsewhere, so that nothing in it is filled in."""
+    return re.sub(r"([][{}])", r"\1\1", title) if "{" in title else title
 
 
 def titled_table(table: Mapping[str, Any]) -> str:
