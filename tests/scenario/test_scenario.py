@@ -168,7 +168,7 @@ def test_the_schema_says_what_every_key_is():
     tables = {**schema["$defs"], "Scenario": schema}
     for name, table in tables.items():
         for key, about in table.get("properties", {}).items():
-            refers = "$ref" in about  # a table of its own, or a region
+            refers = "$ref" in about or "allOf" in about  # a table of its own, or a region
             assert about.get("description") or refers or key == "preset", f"{name}.{key} has no comment beside it"
     assert "centre" in schema["$defs"]["Prey"]["properties"]["cohesion"]["description"]  # of a table that it extends
 
