@@ -9,6 +9,7 @@ import numpy as np
 
 from tiswarm.records.recording import Recording, Swarm
 from tiswarm.scenario.model import validated
+from tiswarm.scenario.words import literal
 from tiswarm.space import box
 from tiswarm.system.extras import needed
 
@@ -139,7 +140,7 @@ def _table(size: Any, boundary: str, dt: float, ticks: int, hunts: np.ndarray, r
     corner, far = [0.0] * len(size), [float(side) for side in size]
     agents = {**still, "radius": radius, "perception": 0.0, "spawn": {"region": [corner, far], "velocity": [corner, corner]}}
     return {
-        "title": title,
+        "title": literal(title),
         "source": "tracks",
         "world": {"size": far, "ticks": max(ticks, 1), "dt": float(dt), "boundary": boundary, "contact": "none"},
         "target": {"present": False},

@@ -11,7 +11,8 @@ from tiswarm.space import box
 from tiswarm.strategies import registry
 
 if TYPE_CHECKING:  # the model asks for these checks
-    from tiswarm.scenario.model import Agents, Scenario
+    from tiswarm.scenario.agents import Agents
+    from tiswarm.scenario.model import Scenario
     from tiswarm.scenario.parts import Box
 
 
