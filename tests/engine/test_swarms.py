@@ -5,11 +5,15 @@ import pytest
 
 import render
 import tiswarm
+from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import by_grid
 from tiswarm.engine.swarms.simulation import Swarm
+from tiswarm.engine.swarms.transfer import kept_rows
 from tiswarm.engine.trials.trial import Single
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import validated
+from tiswarm.simd import runtime
 from tiswarm.strategies import registry
 
 
@@ -75,6 +79,12 @@ def test_a_trial_among_others_is_the_trial_alone(boundary, f32):
         every.step()
         alone.step()
     assert np.array_equal(every.position()[2], alone.position()[0])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_boids_without_memory_keep_no_rows_by_number(dim, f32):
+    layout = ParameterTable(Specialisation.of([world(4.0, dim)], 0), runtime.types().lanes)
+    assert kept_rows(layout, "prey", mortal=False) == []
 
 
 def test_terms_between_pairs_conserve_momentum(f64):

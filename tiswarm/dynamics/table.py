@@ -21,10 +21,11 @@ class ParameterTable:
     """Where each number of a batch lies in its table, by structure.
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
-    have; agent_rows: kind -> how many with the strategies' memory; obstacle_rows: centre and radius; plan: rows of the board on
-    which ways are found; board: rows of that and of what predators' surveys write, fixed ones and for each prey; courses: kind
-    -> term -> rows of the velocity behind it, in a move's order, where terms are noted; parts(kind, role): what kernels loop
-    over, each with its class (strategy), the hooks it has of its own (own), and its structs.
+    have; filled_rows: kind -> how many with the strategies' memory; agent_rows: the same, or one more that nobody uses;
+    obstacle_rows: centre and radius; plan: rows of the board on which ways are found; board: rows of that and of what
+    predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
+    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
+    its own (own), and its structs.
     """
 
     def __init__(self, structure: Specialisation, lanes: Any) -> None:
@@ -75,7 +76,8 @@ class ParameterTable:
                 first = self.agent_rows[kind]
                 noted[term] = list(range(first, first + frame.dim))
                 self.agent_rows[kind] += frame.dim
-        self.agent_rows = {kind: count | 1 for kind, count in self.agent_rows.items()}  # odd: see lanes.bounded
+        self.filled_rows = self.agent_rows
+        self.agent_rows = {kind: count | 1 for kind, count in self.filled_rows.items()}  # odd: see lanes.bounded
 
     def _column(self, path: str) -> int:
         self.paths.append(path)

@@ -29,7 +29,7 @@ def kept_rows(layout: ParameterTable, kind: str, *, mortal: bool) -> list[int]:
         kept += rows.field
     if kind in layout.structure.frame.unicycles:
         kept += rows.heading
-    return kept + list(range(rows.count, layout.agent_rows[kind]))
+    return kept + list(range(rows.count, layout.filled_rows[kind]))
 
 
 def scratch_rows(layout: ParameterTable) -> int:
