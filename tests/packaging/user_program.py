@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
+
 import render
 import tiswarm
 
@@ -14,7 +15,8 @@ try:
 except tiswarm.ScenarioError as error:
     print(error)
 count: int = scenario.prey.count
-results: tiswarm.Results = tiswarm.simulate(scenario, trials=100, seed=1, weights={"prey.weights.evade": np.linspace(0, 1, 100)})
+differing = {"prey.weights.evade": np.linspace(0, 1, 100)}
+results: tiswarm.Results = tiswarm.simulate(scenario, trials=100, seed=1, weights=differing)
 success: tiswarm.Estimate = results.summary()["success"]
 mean: float = success.mean
 print(tiswarm.compare(results, results)["time"].low)
