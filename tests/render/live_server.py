@@ -7,6 +7,7 @@ import signal
 import struct
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from urllib.parse import urlsplit
 
@@ -30,10 +31,15 @@ class Live:
         assert self.address.startswith("http://127.0.0.1:"), self.process.stderr.read()
         self.port = urlsplit(self.address).port
 
-    def children(self) -> list[int]:
-        """List the processes that it has started, those that run Taichi."""
-        listed = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(self.process.pid)], capture_output=True, text=True)  # noqa: PLW1510
-        return [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
+    def children(self, count: int) -> list[int]:
+        """Wait for the processes that it starts, those that run Taichi, and list them."""
+        last = time.monotonic() + 30
+        while True:
+            listed = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(self.process.pid)], capture_output=True, text=True)  # noqa: PLW1510
+            found = [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
+            if len(found) == count or time.monotonic() > last:
+                return found
+            time.sleep(0.02)
 
     def interrupt(self) -> tuple[int, str]:
         """Press Ctrl-C; give the exit code and what was said on standard error."""
