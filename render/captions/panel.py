@@ -19,6 +19,9 @@ NOTE, WHO, HOW, NAME, NUMBER, UNIT, CLOCK = 15, 20, 15, 18, 26, 16, 56
 ROW = 44
 """Height of a counter."""
 
+SHRUNK = 0.6
+"""Type shrinks at most to this share where a title is long and counters are many."""
+
 
 class Panel(Caption):
     """The caption of one scene."""
@@ -36,8 +39,16 @@ class Panel(Caption):
         self._place(layout.panel)
 
     def _place(self, box: Box) -> None:
-        """Place what stands still in the caption's box."""
+        """Place what stands still in the caption's box, in type that shrinks until the numbers keep off the clock."""
+        least = SHRUNK * self._unit
+        while (top := self._placed(box)) > (foot := self._box.bottom - (CLOCK + 16) * self._unit) and self._unit > least:
+            self._unit *= 0.95
+        self._chart(Box(self._box.left, top, self._box.right, foot))
+
+    def _placed(self, box: Box) -> float:
+        """Place all but charts, and give where it ends."""
         inset = INSET * self._unit
+        self._still = []
         self._box = Box(box.left + inset, box.top + inset, box.right - inset, box.bottom - inset)
         y = self._noted(self._titled(self._box.top))
         self._numbers_top = self._peopled(y + 14 * self._unit) + 18 * self._unit
@@ -45,8 +56,7 @@ class Panel(Caption):
             base = self._numbers_top + (n * ROW + 24) * self._unit
             self._named(counter, self._box.left, base)
             self._still.append(self._bar(n, 1.0, self._theme["line"], 0.16))
-        top = self._numbers_top + (len(self._counters) * ROW + 12) * self._unit
-        self._chart(Box(self._box.left, top, self._box.right, self._box.bottom - (CLOCK + 16) * self._unit))
+        return self._numbers_top + (len(self._counters) * ROW + 12) * self._unit
 
     def _chart(self, box: Box) -> None:
         """Fill what is left of the caption with charts."""
