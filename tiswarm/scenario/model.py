@@ -30,6 +30,7 @@ from tiswarm.scenario.parts import (
 )
 from tiswarm.scenario.picture import card_of
 from tiswarm.scenario.planning import Planning
+from tiswarm.scenario.rewards import Rewards
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
 from tiswarm.strategies import registry
@@ -243,6 +244,7 @@ class Scenario(Part):
     planning: Planning = Planning()
     coverage: Coverage = Coverage()
     measures: Measures = Measures()
+    rewards: Rewards = Rewards()
 
     @model_validator(mode="before")
     @classmethod
@@ -288,8 +290,9 @@ class Scenario(Part):
         return tomlkit.dumps(plain(self))
 
     def hash(self) -> str:
-        """Name the scenario by what it computes: its preset, title, source and showcase do not count."""
-        told = {key: value for key, value in plain(self).items() if key not in ("preset", "title", "source", "showcase")}
+        """Name the scenario by what it computes: its preset, title, source, showcase and rewards do not count."""
+        silent = ("preset", "title", "source", "showcase", "rewards")
+        told = {key: value for key, value in plain(self).items() if key not in silent}
         for kind in ("prey", "predators"):
             steered = self.network(kind)
             if steered is not None:
