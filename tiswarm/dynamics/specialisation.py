@@ -99,15 +99,24 @@ class Specialisation:
     """What selects a kernel's code: two batches with equal structures share one kernel.
 
     hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
+    commanded: which kinds of agents obey a program outside, and what it tells them (commands.py).
     """
 
     frame: WorldKind
     parts: tuple[Part, ...]
     hunted: bool
     terms: bool = False
+    commanded: tuple[tuple[str, str], ...] = ()
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario], predator_count: int, *, terms: bool = False) -> "Specialisation":
+    def of(
+        cls,
+        scenarios: Sequence[Scenario],
+        predator_count: int,
+        *,
+        terms: bool = False,
+        commanded: tuple[tuple[str, str], ...] = (),
+    ) -> "Specialisation":
         """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
 
         Errors: ScenarioError when their worlds are of different kinds.
@@ -130,4 +139,4 @@ class Specialisation:
                 users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
                 shape = network_columns.shape_of(users, kind) if role == "strategy" else None
                 parts.append(Part(kind, role, catalogue, name, mixed, shape))
-        return cls(frames.pop(), tuple(parts), hunted, terms)
+        return cls(frames.pop(), tuple(parts), hunted, terms, commanded)

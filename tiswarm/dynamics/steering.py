@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics import integrator, networks, planning
+from tiswarm.dynamics import commands, integrator, networks, planning
 from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
@@ -44,6 +44,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     consults, goals = networks.build(layout, see, senses), planning.build(layout, types, see)
     led = any(p.part in consults for p in strategies)
     chasing = any(p.part in consults for p in pursuits)
+    told = {kind: layout.commands[kind] for kind, mode in commands.modes(layout).items() if mode == "gains"}
 
     @ti.func
     def memory_of(p: ti.template(), agents: ti.template(), a):
@@ -219,6 +220,8 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
                 if ti.static(p.part in consults):
                     dice = dice_of(draw, philox.STRATEGY)
                     consults[p.part](notes[j], here, prey, a, me, numbers, b, flock, aim, dice, orders)
+        if ti.static("prey" in told):
+            commands.regain(prey, a, told["prey"], me, orders)
         course = pulled(prey, a, here, "prey", me, numbers, b)
         if ti.static(frame.targeted):
             way = goals.way(here, prey, a, me, target, numbers, b)
@@ -229,7 +232,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
                 course[k] += timed(orders[0] * way[k], numbers, b)
         note(prey, a, "prey", "goal", course)
         for k in ti.static(range(dim)):
-            field = orders[1] * prey[a + rows.field[k]] if ti.static(led) else prey[a + rows.field[k]]
+            field = orders[1] * prey[a + rows.field[k]] if ti.static(led or "prey" in told) else prey[a + rows.field[k]]
             course[k] += timed(field, numbers, b)
         if ti.static(led):
             for k in ti.static(range(2)):
@@ -275,9 +278,12 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
             senses.chase(p, notes, here, me, chased, see.weights_of(p, numbers, b))
             dice = dice_of(draw, philox.PREDATOR_STRATEGY)
             consults[p.part](notes, here, predators, a, me, numbers, b, chased, aim, dice, orders)
+        if ti.static("predators" in told):
+            commands.regain(predators, a, told["predators"], me, orders)
         course = pulled(predators, a, here, "predators", me, numbers, b)
         for k in ti.static(range(dim)):
-            field = orders[1] * predators[a + rows.field[k]] if ti.static(chasing) else predators[a + rows.field[k]]
+            heeded = ti.static(chasing or "predators" in told)
+            field = orders[1] * predators[a + rows.field[k]] if ti.static(heeded) else predators[a + rows.field[k]]
             course[k] += timed(field, numbers, b)
         if ti.static(chasing):
             for k in ti.static(range(2)):
@@ -309,9 +315,10 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(predators, a, "predators", "deflection", course)
         steps.predators.advance(predators, a, course, me, numbers, b)
 
+    obeying = commands.build(layout, types, turned, deflected, dice_of, steps)
     return Steering(
-        prey=drive_prey,
-        predators=drive_predator,
+        prey=obeying.get("prey", drive_prey),
+        predators=obeying.get("predators", drive_predator),
         begin=begin,
         remember=remember,
         steps=steps,

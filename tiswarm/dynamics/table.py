@@ -14,6 +14,9 @@ from tiswarm.dynamics.specialisation import Part, Specialisation
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies import registry
 
+GAINS = ("separation", "alignment", "cohesion", "goal", "field")
+"""What agents that are told factors of their gains are told, in this order."""
+
 _AGENT_NUMBERS = ("count", "radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment", "goal")
 
 
@@ -24,8 +27,8 @@ class ParameterTable:
     have; filled_rows: kind -> how many with the strategies' memory; agent_rows: the same, or one more that nobody uses;
     obstacle_rows: centre and radius; plan: rows of the board on which ways are found; board: rows of that and of what
     predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
-    order, where terms are noted; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it has of
-    its own (own), and its structs.
+    order, where terms are noted; commands: kind -> rows of what agents that obey are told; parts(kind, role): what kernels
+    loop over, each with its class (strategy), the hooks it has of its own (own), and its structs.
     """
 
     def __init__(self, structure: Specialisation, lanes: Any) -> None:
@@ -76,6 +79,11 @@ class ParameterTable:
                 first = self.agent_rows[kind]
                 noted[term] = list(range(first, first + frame.dim))
                 self.agent_rows[kind] += frame.dim
+        self.commands: dict[str, list[int]] = {}
+        for kind, mode in structure.commanded:
+            first = self.agent_rows[kind]
+            self.commands[kind] = list(range(first, first + (len(GAINS) if mode == "gains" else frame.dim)))
+            self.agent_rows[kind] += len(self.commands[kind])
         self.filled_rows = self.agent_rows
         self.agent_rows = {kind: count | 1 for kind, count in self.filled_rows.items()}  # odd: see lanes.bounded
 

@@ -25,6 +25,7 @@ from tiswarm.scenario.parts import (
 )
 from tiswarm.scenario.picture import card_of
 from tiswarm.scenario.planning import Planning
+from tiswarm.scenario.rewards import Rewards
 from tiswarm.scenario.words import KINDS, Words, titled
 from tiswarm.space import box
 from tiswarm.space.box import Boundary
@@ -127,7 +128,7 @@ class Showcase(Part):
     trial: Annotated[int, Field(strict=True, ge=0)] = 0  # its number
 
 
-UNCOUNTED = ("preset", "title", "source", "words", "film", "showcase")
+UNCOUNTED = ("preset", "title", "source", "words", "film", "showcase", "rewards")
 """Keys of a scenario that change nothing of what it computes."""
 
 
@@ -148,6 +149,7 @@ class Scenario(Part):
     planning: Planning = Planning()
     coverage: Coverage = Coverage()
     measures: Measures = Measures()
+    rewards: Rewards = Rewards()
 
     @model_validator(mode="before")
     @classmethod

@@ -37,11 +37,17 @@ class Blocks:
     """
 
     def __init__(
-        self, scenarios: Sequence[Scenario], blocks: int, counts: tuple[int, int, int] | None = None, *, terms: bool = False
+        self,
+        scenarios: Sequence[Scenario],
+        blocks: int,
+        counts: tuple[int, int, int] | None = None,
+        *,
+        terms: bool = False,
+        commanded: tuple[tuple[str, str], ...] = (),
     ) -> None:
         """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None.
 
-        terms: whether agents note their velocity behind each term of a move.
+        terms: whether agents note their velocity behind each term of a move. commanded: which kinds obey, and what they are told.
         """
         types = runtime.types()
         self.blocks, self.precision = blocks, runtime.start().precision
@@ -51,7 +57,8 @@ class Blocks:
             max(scenario.obstacles.count for scenario in scenarios),
         )
         check_pairs(max(self.counts))
-        self.kernel, self.layout, (sums, cells) = kernel.kernel(Specialisation.of(scenarios, self.counts[1], terms=terms))
+        structure = Specialisation.of(scenarios, self.counts[1], terms=terms, commanded=commanded)
+        self.kernel, self.layout, (sums, cells) = kernel.kernel(structure)
         prey, predators, obstacles = (max(count, 1) for count in self.counts)
         rows = self.layout.agent_rows
         self.dtype = types.dtype

@@ -32,7 +32,8 @@ def lends(layout: ParameterTable, kind: str) -> bool:
     """
     frame = layout.structure.frame
     networked = any(p.strategy.networked for p in layout.parts(kind, "strategy"))
-    return layout.flocks(kind) and not networked and not frame.wrap_sight and kind not in frame.choosy
+    alike = not networked and kind not in layout.commands
+    return layout.flocks(kind) and alike and not frame.wrap_sight and kind not in frame.choosy
 
 
 @dataclass(frozen=True)
