@@ -10,6 +10,7 @@ _HOMES = {
     "frames": "films",
     "poster": "films",
     "sheet": "films",
+    "still": "films",
     "replay": "page.document",
     "Film": "films",
     "Field": "scene.background",
@@ -42,12 +43,13 @@ __all__ = [
     "poster",
     "replay",
     "sheet",
+    "still",
     "subtitles",
 ]
 
 if TYPE_CHECKING:
     from render.encoder import QUALITIES, FilmError
-    from render.films import Film, check_film, check_image, film, frames, poster, sheet
+    from render.films import Film, check_film, check_image, film, frames, poster, sheet, still
     from render.page.document import replay
     from render.scene.background import Field
     from render.source import Live

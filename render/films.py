@@ -152,6 +152,12 @@ def poster(
     return _save(_image(stage, liveliest(stage) if time is None else time, size), Path(path))
 
 
+def still(subject: Subject, size: tuple[int, int] = (1280, 720), *, time: float, **look: Any) -> np.ndarray:
+    """Give one frame at a time [ticks]: [y, x, channel] of uint8. Errors: as `frames`."""
+    checked_size(size, even=False)
+    return _image(Composition(subject, size, look_of(look), yuv=False, labels=None, field=None), time, size)
+
+
 def sheet(
     subject: Subject,
     path: str | os.PathLike,

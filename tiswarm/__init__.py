@@ -28,9 +28,15 @@ _HOMES = {
     "Report": "studies.report",
     "study": "studies.run",
     "tune": "learning.tune",
+    "Environment": "environments.environment",
+    "env": "environments.make",
+    "gym_env": "environments.make",
+    "parallel_env": "environments.make",
+    "vector_env": "environments.make",
 }
 
 __all__ = [
+    "Environment",
     "Estimate",
     "Recording",
     "Report",
@@ -43,17 +49,23 @@ __all__ = [
     "__version__",
     "add_path",
     "compare",
+    "env",
+    "gym_env",
     "init",
     "load",
+    "parallel_env",
     "record",
     "simulate",
     "study",
     "tune",
+    "vector_env",
 ]
 
 if TYPE_CHECKING:
     from tiswarm.engine.run import Simulation, record, simulate
     from tiswarm.engine.swarms.simulation import Swarm
+    from tiswarm.environments.environment import Environment
+    from tiswarm.environments.make import env, gym_env, parallel_env, vector_env
     from tiswarm.learning.tune import tune
     from tiswarm.records.recording import Recording
     from tiswarm.records.results import Estimate, Results, compare

@@ -4,8 +4,8 @@ from typing import Any, Literal
 
 import taichi as ti
 
+from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.table import ParameterTable
-from tiswarm.simd import philox
 from tiswarm.simd.lanes import motion
 from tiswarm.simd.runtime import Types
 
@@ -13,49 +13,38 @@ Command = Literal["velocity", "acceleration", "gains"]
 
 
 def modes(layout: ParameterTable) -> dict[str, Command]:
-    """Map the kinds of agents that obey to what they are told: where to go, or factors of the ordinary terms' gains."""
+    """Map the kinds of agents that obey to what they are told: how to move, or factors of the ordinary terms' gains."""
     return dict(layout.structure.commanded)  # type: ignore[arg-type]
 
 
-def build(layout: ParameterTable, types: Types, turned: Any, deflected: Any, dice_of: Any, steps: Any) -> dict[str, Any]:
-    """Build for each kind that is told where to go what moves one of its agents, in the place of all that it would do itself.
-
-    Avoidances that turn or deflect a course, walls' reflection and the speed cap still act: they are what a body can do.
-    """
-    found = modes(layout)
-    moved = {kind: mode for kind, mode in found.items() if mode != "gains"}
-    return {kind: _driven(layout, types, kind, mode, turned, deflected, dice_of, steps) for kind, mode in moved.items()}
+def build(layout: ParameterTable, types: Types, steps: Steps) -> dict[str, Any]:
+    """Build for each kind that is told how to move what moves an agent of it, in the place of all that it would do itself."""
+    told = {kind: mode for kind, mode in modes(layout).items() if mode != "gains"}
+    return {kind: _driven(layout, types, steps, kind, mode) for kind, mode in told.items()}
 
 
-def _driven(
-    layout: ParameterTable, types: Types, kind: str, mode: Command, turned: Any, deflected: Any, dice_of: Any, steps: Any
-) -> Any:
+def _driven(layout: ParameterTable, types: Types, steps: Steps, kind: str, mode: Command) -> Any:
     lanes, rows, told = types.lanes, layout.rows, layout.commands[kind]
-    own, deflects = getattr(steps, kind), bool(layout.parts(kind, "avoidance", "deflect"))
-    width, at = len(layout.paths), layout.at
-    purpose = philox.DEFLECTION if kind == "prey" else philox.PREDATOR_DEFLECTION
+    own, width, at = getattr(steps, kind), len(layout.paths), layout.at
 
     @ti.func
     def drive(
-        here: ti.template(),
-        draw: ti.template(),
+        here: ti.template(),  # noqa: ARG001 - this and what follows as of agents that do not obey
+        draw: ti.template(),  # noqa: ARG001
         agents: ti.template(),
         a,
         me: ti.template(),
         numbers: ti.template(),
         b,
-        others: ti.template(),
-        target: ti.template(),
+        others: ti.template(),  # noqa: ARG001
+        target: ti.template(),  # noqa: ARG001
     ):
-        """Take the velocity, or the change of it a second, that is written down; turn; cap; p += v dt."""
+        """Take the velocity that is written down, or add the acceleration; cap; p += v dt."""
         course = [1.0 * agents[a + row] for row in ti.static(told)]
         if ti.static(mode == "acceleration"):
             for k in ti.static(range(len(told))):
                 course[k] = motion(me)[k] + numbers[b * width + at.dt] * course[k]
-        turned(course, here, kind, me, numbers, b)
         own.limited(course, me, numbers, b)
-        if ti.static(deflects):
-            deflected(course, here, kind, me, numbers, b, target, dice_of(draw, purpose))
         agents[a + rows.seen] = lanes(0.0)
         own.advance(agents, a, course, me, numbers, b)
 

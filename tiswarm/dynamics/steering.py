@@ -315,7 +315,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(predators, a, "predators", "deflection", course)
         steps.predators.advance(predators, a, course, me, numbers, b)
 
-    obeying = commands.build(layout, types, turned, deflected, dice_of, steps)
+    obeying = commands.build(layout, types, steps)
     return Steering(
         prey=obeying.get("prey", drive_prey),
         predators=obeying.get("predators", drive_predator),

@@ -1,1 +1,1 @@
-"""environments: trials stepped from outside: actions in, observations and rewards out; PettingZoo's and Gymnasium's interfaces."""
+"""environments: trials stepped from outside: actions in, observations and rewards out, for PettingZoo and Gymnasium, too."""

@@ -33,8 +33,9 @@ class Environment:
     Agents are those that obey, prey first. All arrays are [trial, agent, ...]; those that are given are this object's own and
     are written over by the next step: copy what you keep. A trial is the same bits at any number of trials and threads.
 
-    Attributes: scenario; trials: how many; agents: their names ("prey_0", ...); action_size, observation_size: numbers of each;
-    alive: [trial, agent], who obeys still; final: [trial, agent, number], what agents were shown last where a trial has ended.
+    Attributes: scenario; trials: how many; agents: their names ("prey_0", ...); actions: what they are told; action_size,
+    observation_size: numbers of each; alive: [trial, agent], who obeys still; final: [trial, agent, number], what agents were
+    shown last where a trial has ended.
     """
 
     def __init__(
@@ -50,9 +51,9 @@ class Environment:
         """Begin nothing yet.
 
         control: who obeys; the others follow the scenario's strategy. actions: "velocity", in units of max_speed;
-        "acceleration", in units of max_speed a second; or "gains", factors of the scenario's own gains of separation, alignment,
-        cohesion, goal and field. observe: what each agent is shown (docs/learning.md). again: whether another trial begins at
-        once where one has ended.
+        "acceleration", in units of max_speed a second; or "gains", factors of the scenario's own gains of separation,
+        alignment, cohesion, goal and field. observe: what each agent is shown (docs/learning.md). again: whether another trial
+        begins at once where one has ended.
 
         Errors: ScenarioError for a scenario that cannot be stepped so; ValueError for anything else that is not possible.
         """
@@ -69,7 +70,7 @@ class Environment:
             _check(scenario, kind)
         self._asked = {"control": control, "actions": actions, "observe": tuple(observe)}
         self._session = Session(scenario, trials, dict.fromkeys(self.kinds, actions))
-        self.scenario, self.trials, self._again = scenario, trials, again
+        self.scenario, self.trials, self.actions, self._again = scenario, trials, actions, again
         counts = {kind: self._session.count(kind) for kind in self.kinds}
         firsts = dict(zip(counts, np.cumsum([0, *counts.values()]).tolist(), strict=False))
         self._where = {kind: slice(first, first + counts[kind]) for kind, first in firsts.items()}
@@ -92,8 +93,8 @@ class Environment:
     def reset(self, seed: int | None = None, where: np.ndarray | None = None) -> np.ndarray:
         """Begin trials anew; give what agents are shown: [trial, agent, number].
 
-        seed: of all trials from now on, which begin with trials 0, 1, ...; None goes on with the next ones. where: [trial], bool,
-        which to begin; all when None.
+        seed: of all trials from now on, which begin with trials 0, 1, ...; None goes on with the next ones. where: [trial],
+        bool, which to begin; all when None.
 
         Errors: ValueError for a seed that is not possible, or one for some of the trials only.
         """
@@ -127,8 +128,9 @@ class Environment:
 
         actions: [trial, agent, number]; those of agents that are gone count for nothing.
 
-        Give observations [trial, agent, number], rewards [trial, agent], and terminated and truncated [trial]: nobody is left, or
-        no tick. Where a trial has ended and another one begins at once, the observations are of its start, and `final` of the end.
+        Give observations [trial, agent, number], rewards [trial, agent], and terminated and truncated [trial]: no prey is left,
+        or no tick. Where a trial has ended and another one begins at once, the observations are of its start, and `final` of
+        the end.
 
         Errors: ValueError for actions of another shape, or that are not finite, and before `reset`.
         """

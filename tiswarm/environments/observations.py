@@ -124,8 +124,8 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
 
         @ti.func
         def show_others(
-            out: ti.template(), places: ti.template(), i, here: ti.template(), speed: ti.template(), others: ti.template(), b, me,
-            count, numbers: ti.template(),
+            out: ti.template(), places: ti.template(), i, here: ti.template(), speed: ti.template(), others: ti.template(), b,
+            me, count, numbers: ti.template(),
         ):  # fmt: skip
             """Show agents of a kind within reach: the nearest, way and difference of velocity of each, and their means."""
             kept = [lanes(FAR) for _ in ti.static(range(most * (2 * dim + 1)))]
@@ -173,7 +173,7 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
         count,
         numbers: ti.template(),
     ):
-        """Show the nearest obstacles whose edges are within reach: the way to the edge (from within, out of it), and the radius."""
+        """Show the nearest obstacles whose edges are within reach: way to the edge (from within, out of it), and radius."""
         kept = [lanes(FAR) for _ in ti.static(range(hindered[1] * (dim + 2)))]
         for j in range(count):
             a = row_of(b * count + j, heights[2])

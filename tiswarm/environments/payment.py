@@ -49,7 +49,7 @@ class Payment:
 
     def nobody(self) -> np.ndarray:
         """Tell where no prey is left: [place], bool."""
-        return ~self._alive["prey"].any(axis=1)
+        return np.asarray(~self._alive["prey"].any(axis=1))
 
     def settle(self, running: np.ndarray) -> np.ndarray:
         """Give what agents are paid for the move that was made: [place, agent]; nothing where no trial ran, [place]."""

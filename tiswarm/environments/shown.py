@@ -26,7 +26,8 @@ class Shown:
         """Read names such as "own" and "nearest-prey:3". Errors: ValueError."""
         sizes = {"own": 2 * dim, "target": dim, "means": 4 * dim + 2}
         sizes |= {"nearest-prey": 2 * dim + 1, "nearest-predators": 2 * dim + 1, "nearest-obstacles": dim + 2}
-        parts, first = [], 0
+        parts: list[tuple[str, int, int]] = []
+        first = 0
         for asked in names:
             found = re.fullmatch(r"([a-z-]+)(?::(\d+))?", asked)
             name, count = (found[1], int(found[2] or 1)) if found else (asked, 1)

@@ -47,7 +47,8 @@ class Blocks:
     ) -> None:
         """Allocate blocks; counts: most prey, predators and obstacles in any lane, the scenarios' own when None.
 
-        terms: whether agents note their velocity behind each term of a move. commanded: which kinds obey, and what they are told.
+        terms: whether agents note their velocity behind each term of a move. commanded: which kinds obey, and what they are
+        told.
         """
         types = runtime.types()
         self.blocks, self.precision = blocks, runtime.start().precision

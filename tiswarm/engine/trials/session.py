@@ -116,18 +116,18 @@ class Session:
         block, lane = divmod(int(self.slots[place]), LANES)
         own, layout = self.blocks.layout.rows, self.blocks.layout
         now: dict[Kind, np.ndarray] = {kind: self._view(kind)[block, :, :, lane].T for kind in ("prey", "predators")}
-        vectors = {}
-        for kind, rows in now.items():
-            gone = rows[own.alive] < 0.5
-            vectors[kind] = [rows[places].T.astype(np.float64) for places in (own.place, own.motion)]
-            for each in vectors[kind]:
-                each[gone] = np.nan
+
+        def vectors(kind: Kind, places: list[int]) -> np.ndarray:
+            told = now[kind][places].T.astype(np.float64)
+            told[now[kind][own.alive] < 0.5] = np.nan
+            return told
 
         def moment(kind: Kind, other: Kind) -> Moment:
             memory = {p.part.name: _memory(p, now[kind]) for p in layout.parts(kind, "strategy")}
-            state = named(self.scenario, kind, *vectors[kind], vectors[other][0], memory)
+            position, velocity = vectors(kind, own.place), vectors(kind, own.motion)
+            state = named(self.scenario, kind, position, velocity, vectors(other, own.place), memory)
             fate = np.array(FATES)[now[kind][own.fate].astype(int)]
-            return Moment(*vectors[kind], fate, state, grouped(self.scenario, kind, self.count(kind)))
+            return Moment(position, velocity, fate, state, grouped(self.scenario, kind, self.count(kind)))
 
         return moment("prey", "predators"), moment("predators", "prey")
 
