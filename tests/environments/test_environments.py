@@ -161,6 +161,7 @@ def test_prey_are_paid_for_coming_nearer_and_arriving_and_hunters_for_touching()
         over = terminated | truncated
     ends = [environment.moments(trial) for trial in range(40)]
     fates = np.array([prey.fate for prey, _ in ends])
+    np.testing.assert_array_equal(environment.fate(), fates)
     assert {"arrived", "captured"} <= set(fates.ravel())
     assert (total[:, :PREY][fates == "arrived"] > 1.0).all()
     assert (total[:, :PREY][fates == "captured"] < total[:, :PREY][fates == "arrived"].min()).all()
@@ -178,6 +179,8 @@ def test_an_episode_is_recorded_and_replayed(both, tmp_path):
     np.testing.assert_array_equal(recording.prey.position[0], start.position("prey"))
     np.testing.assert_array_equal(recording.obstacle_position, start.obstacle_position)
     assert recording.ticks > 5
+    assert recording.notes == ("prey obeyed from outside: velocity", "predators obeyed from outside: velocity")
+    assert tiswarm.Recording.load(recording.save(tmp_path / "path.npz")).notes == recording.notes
 
 
 @pytest.mark.quick

@@ -12,7 +12,7 @@ from tiswarm.engine.trials.session import Kind, Session
 from tiswarm.environments.observations import Observer
 from tiswarm.environments.payment import Payment
 from tiswarm.environments.shown import DEFAULT
-from tiswarm.records.recording import Recording, Swarm
+from tiswarm.records.recording import FATES, Recording, Swarm
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.presets import load
@@ -167,6 +167,10 @@ class Environment:
         """Give the number of each trial that runs, as random numbers know it: [trial]."""
         return self._session.trial.copy()
 
+    def fate(self, kind: Kind = "prey") -> np.ndarray:
+        """Name what became of each of the prey or predators so far: [trial, agent], one of recording.FATES."""
+        return np.array(FATES)[self._payment.fate(kind)]
+
     def moments(self, trial: int = 0) -> tuple[Swarm, Swarm]:
         """Give prey and predators of one trial as they are now, as one tick of a recording."""
         return self._session.moments(trial)
@@ -175,7 +179,8 @@ class Environment:
         """Put moments of the trial that runs at a place one behind the other."""
         prey, predators = (Swarm.of(own) for own in zip(*moments, strict=True))
         number = int(self._session.trial[trial])
-        return Recording(self.scenario, self._seed, number, prey, predators, *self._session.obstacles(trial))
+        told = tuple(f"{kind} obeyed from outside: {self.actions}" for kind in self.kinds)
+        return Recording(self.scenario, self._seed, number, prey, predators, *self._session.obstacles(trial), told)
 
     def record(self, policy: Policy, seed: int = 0, trial: int = 0) -> Recording:
         """Run one trial by a policy, from [1, agent, number] that is shown to [1, agent, number] of actions, and keep its path.

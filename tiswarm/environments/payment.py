@@ -47,6 +47,10 @@ class Payment:
         """Tell who is there: [place, agent], bool."""
         return self._alive[kind]
 
+    def fate(self, kind: Kind) -> np.ndarray:
+        """Give the number of what became of each so far: [place, agent]."""
+        return self._fate[kind]
+
     def nobody(self) -> np.ndarray:
         """Tell where no prey is left: [place], bool."""
         return np.asarray(~self._alive["prey"].any(axis=1))
