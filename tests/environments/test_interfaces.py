@@ -22,7 +22,7 @@ def test_pettingzoo_accepts_it():
     from pettingzoo.test import parallel_api_test, parallel_seed_test
 
     parallel_api_test(tiswarm.parallel_env(_scenario(), control="both"), num_cycles=70)
-    parallel_seed_test(lambda: tiswarm.parallel_env(_scenario(), control="both"), 40)
+    parallel_seed_test(lambda: tiswarm.parallel_env(_scenario(), control="both"))
 
 
 @pytest.mark.filterwarnings("ignore")

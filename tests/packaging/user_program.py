@@ -34,3 +34,8 @@ frames = [frame.shape for frame in render.frames([recording, recording])]
 render.poster(recording, "poster.png")
 tuned = tiswarm.tune(scenario, {"prey.goal": (0.1, 1.0), "prey.strategy": ["split", "evasive"]}, budget=1000)
 print(tuned.scenarios[0].to_toml(), tiswarm.__version__, tiswarm.Start)
+environment: tiswarm.Environment = tiswarm.env(scenario, 64, control="both")
+shown: np.ndarray = environment.reset(seed=0)
+shown, rewards, terminated, truncated = environment.step(np.zeros((64, len(environment.agents), environment.action_size)))
+told: tiswarm.Recording = environment.record(lambda seen: seen[:, :, :2], seed=0, trial=1)
+frame: np.ndarray = render.still(told, time=3.0)
