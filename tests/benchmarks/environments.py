@@ -2,9 +2,9 @@
 
 python tests/benchmarks/environments.py [SECONDS]; the second part needs: pip install mpe2
 
-Ours: delft/pronav-10, 6 prey and 15 predators among 10 obstacles, capture, crash and arrival on swept ways, actions of all
-21 given by NumPy, 54 numbers shown to each. simple_tag: 3 predators, 1 prey, 2 obstacles, soft contacts of discs, 14 or 16
-numbers shown.
+Ours: delft/pronav-10, 6 prey and 15 predators among 10 obstacles, capture, crash and arrival judged where moves end, actions
+of all 21 given by NumPy, 54 numbers shown to each. simple_tag: 3 predators, 1 prey, 2 obstacles, soft contacts of discs, 14
+or 16 numbers shown.
 """
 
 import multiprocessing
