@@ -202,7 +202,7 @@ def serve(begun: Begun, settings: Settings, port: int, announce: Callable[[str],
 async def _serve(begun: Begun, settings: Settings, port: int, announce: Callable[[str], None]) -> None:
     loop, stopped = asyncio.get_running_loop(), asyncio.Event()
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        with suppress(NotImplementedError, AttributeError):
+        with suppress(NotImplementedError, AttributeError):  # Windows has no handlers in its loop, and no SIGHUP
             loop.add_signal_handler(getattr(signal, name), stopped.set)
     server = Server(begun, settings)
     runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=1)

@@ -1,6 +1,7 @@
 /** Cloud: agents too many to be drawn one by one, denser and brighter where they crowd, as in films. */
 
 import { Orbit } from "./camera.js";
+import { linked } from "./shaders.js";
 import { colour } from "./shapes.js";
 
 /** @typedef {import("./ground.js").View} View */
@@ -228,15 +229,7 @@ function blur(from, to, length, lines, step, stride, wraps) {
 
 /** Make what a cloud is painted with. @param {WebGL2RenderingContext} gl @returns {Brush} */
 function made(gl) {
-  const program = /** @type {WebGLProgram} */ (gl.createProgram());
-  for (const [kind, text] of /** @type {const} */ ([[gl.VERTEX_SHADER, CLOUD_VERTEX], [gl.FRAGMENT_SHADER, CLOUD_FRAGMENT]])) {
-    const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? "no shader");
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
+  const program = linked(gl, CLOUD_VERTEX, CLOUD_FRAGMENT);
   const texture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, texture);
   for (const way of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, way, gl.CLAMP_TO_EDGE);

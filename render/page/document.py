@@ -30,6 +30,7 @@ MODULES = (
     "trails",
     "overlays",
     "scene",
+    "shaders",
     "webgl",
     "flat",
     "plots",

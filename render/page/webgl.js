@@ -1,5 +1,6 @@
 /** WebGL: a painter that draws shapes as the films do: signed distances, blended in linear light. */
 
+import { linked } from "./shaders.js";
 import { RIBBON, STRIDE } from "./shapes.js";
 
 /** Shapes in a row of the texture that they are handed over in. Instances would do, but drawn in software they are slow. */
@@ -133,16 +134,7 @@ export class WebGlPainter {
   /** @param {string} vertex @param {string} fragment */
   _program(vertex, fragment) {
     const { gl } = this;
-    const program = /** @type {WebGLProgram} */ (gl.createProgram());
-    for (const [kind, text] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
-      const shader = /** @type {WebGLShader} */ (gl.createShader(kind));
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? "no shader");
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) ?? "no shader");
+    const program = linked(gl, vertex, fragment);
     return { program, size: gl.getUniformLocation(program, "size"), shift: gl.getUniformLocation(program, "shift") };
   }
 

@@ -69,15 +69,20 @@ def test_the_matrix_is_what_trials_give_and_gains_are_told_on_it(rules, tmp_path
                 assert answer.gain.mean == pytest.approx(before.solution.value - met, abs=1e-9)
 
 
-def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, tmp_path, f32):
-    Race(rules, tmp_path / "whole").run()
-    cut = tmp_path / "cut"
+def cut_short(rules, folder):
+    """Begin a race, and press Ctrl-C after its first round."""
 
     def stop(_round):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        Race(rules, cut).run(finished=stop)
+        Race(rules, folder).run(finished=stop)
+
+
+def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, tmp_path, f32):
+    Race(rules, tmp_path / "whole").run()
+    cut = tmp_path / "cut"
+    cut_short(rules, cut)
     Race(rules, cut).run()
     assert (cut / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
     with pytest.raises(ValueError, match="holds another race: seed 0, not 3"):
@@ -120,14 +125,8 @@ def test_where_numbers_gain_nothing_a_network_is_trained(led, tmp_path, f32):
 
 def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, tmp_path, f32):
     Race(led, tmp_path / "whole").run()
-    cut = tmp_path / "cut"
-
-    def stop(_round):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        Race(led, cut).run(finished=stop)
-    cut.rename(tmp_path / "moved")
+    cut_short(led, tmp_path / "cut")
+    (tmp_path / "cut").rename(tmp_path / "moved")
     Race(led, tmp_path / "moved").run()
     assert (tmp_path / "moved" / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
 

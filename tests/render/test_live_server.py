@@ -230,9 +230,12 @@ def test_a_slow_reader_gets_the_newest_frame_and_keeps_nobody_waiting(live):
 
 def test_ctrl_c_ends_all_of_it_without_a_word():
     server = Live(PRESET)
-    children = server.children(2)
-    assert len(children) == 2
-    assert server.interrupt() == (0, "")
+    try:
+        children = server.children(2)
+        assert len(children) == 2
+    finally:
+        ended = server.interrupt()
+    assert ended == (0, "")
     assert not any(map(is_alive, children))
 
 

@@ -18,6 +18,7 @@ from tiswarm.cli.options import (
     WrongInput,
     load_scenario,
     out,
+    prepare,
 )
 
 PORT = 8737
@@ -40,20 +41,14 @@ def live(
     """Run a simulation in a page of this machine: turn its numbers, drop obstacles, see what a thousand trials say."""
     if importlib.util.find_spec("aiohttp") is None:
         raise WrongInput("live: aiohttp is not installed; pip install 'tiswarm[live]'")
-    import tiswarm
     from render.live import serve
     from render.live.session import Begun
     from render.live.worker import Settings
-    from tiswarm.simd.philox import seed_words
+    from tiswarm.simd.runtime import settings_of
     from tiswarm.simd.threads import check_threads
 
-    for folder in strategy_path or []:
-        tiswarm.add_path(folder)
-    seed_words(seed)
-    if threads is not None:
-        check_threads(threads)
-    if precision not in ("f32", "f64"):
-        raise WrongInput(f"--precision {precision}: is not known; use f32 or f64")
+    prepare(seed, strategy_path)
+    check_threads(settings_of(precision, threads).threads)  # type: ignore[arg-type] # Taichi starts in other processes
     begun = Begun(load_scenario(preset, sets), preset, tuple(sets or ()), seed, trial)
 
     def announce(address: str) -> None:

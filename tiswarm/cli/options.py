@@ -91,12 +91,19 @@ class WrongInput(ValueError):
 def start(seed: int, threads: int | None, precision: str, strategy_path: list[Path] | None = None) -> None:
     """Check what every verb takes, and start Taichi."""
     import tiswarm
+
+    prepare(seed, strategy_path)
+    tiswarm.init(precision, threads)  # type: ignore[arg-type]
+
+
+def prepare(seed: int, strategy_path: list[Path] | None) -> None:
+    """Find strategies of the user's, and check the seed."""
+    import tiswarm
     from tiswarm.simd.philox import seed_words
 
     for folder in strategy_path or []:
         tiswarm.add_path(folder)
     seed_words(seed)
-    tiswarm.init(precision, threads)  # type: ignore[arg-type]
 
 
 def load_scenario(preset: str, sets: list[str] | None) -> Any:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics import commands, integrator, networks, planning
+from tiswarm.dynamics import commands, integrator, memories, networks, planning
 from tiswarm.dynamics.integrator import Steps
+from tiswarm.dynamics.memories import Memories
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
@@ -21,61 +22,26 @@ class Steering:
 
     prey: Func
     predators: Func
-    begin: Func  # give strategies' memory its first values
-    remember: Func  # let strategies update an agent's memory from what was seen in this move
+    memories: Memories
+    plan: Func  # find ways to the target for trials that begin (planning.py)
     steps: Steps
-    starts: bool
-    remembers: bool
 
 
 def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSearch, uniform) -> Steering:
-    """Build prey, predators (one agent's move), begin, remember and steps, for the senses of either engine."""
+    """Build prey, predators (one agent's move), memories, plan and steps, for the senses of either engine."""
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
     frame = layout.structure.frame
-    steps = integrator.build(layout)
+    steps, kept = integrator.build(layout), memories.build(layout, see)
     strategies = layout.parts("prey", "strategy")
     kicking = [p for p in strategies if p.strategy.dice]
-    remembering = [p for p in strategies if "remember" in p.own]
-    starting = [p for p in strategies if "start" in p.own]
     urging = [p for p in strategies if "urge" in p.own]
     pursuits = layout.parts("predators", "strategy")
     consults, goals = networks.build(layout, see, senses), planning.build(layout, types, see)
     led = any(p.part in consults for p in strategies)
     chasing = any(p.part in consults for p in pursuits)
     told = {kind: layout.commands[kind] for kind, mode in commands.modes(layout).items() if mode == "gains"}
-
-    @ti.func
-    def memory_of(p: ti.template(), agents: ti.template(), a):
-        return p.Memory(*[agents[a + row] for row in ti.static(p.memory_rows or [rows.place[0]])])
-
-    @ti.func
-    def begin(prey: ti.template(), a, me: ti.template(), numbers: ti.template(), b, fresh):
-        """Give strategies' memory its first values."""
-        for p in ti.static(starting):
-            memory = memory_of(p, prey, a)
-            p.strategy.start(memory, me, see.weights_of(p, numbers, b))
-            for k in ti.static(range(len(p.memory))):
-                kept = ti.static([getattr(memory, name) for name in p.memory])[k]
-                prey[a + p.memory_rows[k]] = ti.select(fresh, kept, prey[a + p.memory_rows[k]])
-
-    @ti.func
-    def remember(prey: ti.template(), a, me: ti.template(), numbers: ti.template(), b, swarm_seen):
-        """Let strategies update an agent's memory from what was seen in this move."""
-        for p in ti.static(remembering):
-            memory = memory_of(p, prey, a)
-            p.strategy.remember(memory, me, prey[a + rows.seen], swarm_seen, see.weights_of(p, numbers, b))
-            for k in ti.static(range(len(p.memory))):
-                prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
-
-    @ti.func
-    def keep(p: ti.template(), prey: ti.template(), a, course: ti.template(), notes: ti.template(), weights):
-        """Let a strategy keep in an agent's memory what it noted in this move."""
-        memory = memory_of(p, prey, a)
-        p.strategy.keep(memory, course, notes, weights)
-        for k in ti.static(range(len(p.memory))):
-            prey[a + p.memory_rows[k]] = ti.static([getattr(memory, name) for name in p.memory])[k]
 
     @ti.func
     def note(agents: ti.template(), a, kind: ti.template(), term: ti.template(), course: ti.template()):
@@ -182,15 +148,15 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
             elif ti.static("integrate" in p.own):
                 push = minus(course, motion(me))
                 dt = numbers[b * width + at.dt]
-                other = p.strategy.integrate(me, push, swarm, notes[j], memory_of(p, prey, a), dt, weights)
+                other = p.strategy.integrate(me, push, swarm, notes[j], kept.of(p, prey, a), dt, weights)
                 for k in ti.static(range(dim)):
                     course[k] = ti.select(weights.on > 0.5, other[k], course[k])
             elif ti.static("steer" in p.own):
-                steer = p.strategy.steer(me, threat, swarm, notes[j], memory_of(p, prey, a), weights)
+                steer = p.strategy.steer(me, threat, swarm, notes[j], kept.of(p, prey, a), weights)
                 for k in ti.static(range(dim)):
                     course[k] += timed(weights.on * steer[k], numbers, b)
             if ti.static("keep" in p.own):
-                keep(p, prey, a, course, notes[j], weights)
+                kept.keep(p, prey, a, course, notes[j], weights)
             note(prey, a, "prey", p.part.name, course)
 
     @ti.func
@@ -250,7 +216,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(prey, a, "prey", "deflection", course)
         for p in ti.static(kicking):
             weights = see.weights_of(p, numbers, b)
-            kick = p.strategy.kick(threat, dice_of(draw, philox.STRATEGY), memory_of(p, prey, a), weights)
+            kick = p.strategy.kick(threat, dice_of(draw, philox.STRATEGY), kept.of(p, prey, a), weights)
             for k in ti.static(range(dim)):
                 course[k] += weights.on * kick[k]
         note(prey, a, "prey", "kick", course)
@@ -319,9 +285,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     return Steering(
         prey=obeying.get("prey", drive_prey),
         predators=obeying.get("predators", drive_predator),
-        begin=begin,
-        remember=remember,
+        memories=kept,
+        plan=goals.plan,
         steps=steps,
-        starts=bool(starting),
-        remembers=bool(remembering),
     )

@@ -65,13 +65,18 @@ def init(precision: Precision = "f32", threads: int | None = None) -> None:
     Errors: ValueError for an unknown precision or a number of threads that cannot be; RuntimeError in a forked process, or
     without memory for Taichi.
     """
-    if precision not in ("f32", "f64"):
-        raise ValueError(f"precision: {precision!r} is not known; use 'f32' or 'f64'")
-    wanted = Settings(precision, available_threads() if threads is None else threads)
+    wanted = settings_of(precision, threads)
     with _lock:
         if wanted != _settings or not _running():
             check_threads(wanted.threads)
             _begin(wanted)
+
+
+def settings_of(precision: Precision, threads: int | None) -> Settings:
+    """Give the settings that are asked for. Errors: ValueError for an unknown precision."""
+    if precision not in ("f32", "f64"):
+        raise ValueError(f"precision: {precision!r} is not known; use 'f32' or 'f64'")
+    return Settings(precision, available_threads() if threads is None else threads)
 
 
 def _begin(wanted: Settings) -> None:

@@ -219,7 +219,7 @@ def build(
     def begin(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):  # noqa: ARG001 - as its sisters
         """Give a prey's memory its first values, and a heading to a unicycle."""
         fresh = lanes(1.0) > 0.5
-        driven.begin(scratch, a, me, numbers, 0, fresh)
+        driven.memories.begin(scratch, a, me, numbers, 0, fresh)
         if ti.static("prey" in frame.unicycles):
             steps.prey.face(scratch, a, fresh)
 
@@ -231,7 +231,7 @@ def build(
     @ti.func
     def remember(scratch: ti.template(), a, me: ti.template(), numbers: ti.template(), seen):
         """Update a prey's memory. seen: how many predators all prey of its trial together saw in the last move."""
-        driven.remember(scratch, a, me, numbers, 0, seen)
+        driven.memories.remember(scratch, a, me, numbers, 0, seen)
 
     def drifts(kind: str):
         funcs = getattr(near, kind)
@@ -269,8 +269,8 @@ def build(
         drift_prey=drifts("prey"),
         drift_predators=drifts("predators"),
         **vars(means.build(layout, types, see, near, carried["prey"].number_in)),
-        starts=driven.starts or "prey" in frame.unicycles,
-        remembers=driven.remembers,
+        starts=driven.memories.starts or "prey" in frame.unicycles,
+        remembers=driven.memories.remembers,
         ranks=any(p.strategy.leads for p in strategies) or bool(layout.parts("predators", "strategy", "observe")),
         scans=any({"blocks", "look"} & set(p.own) for p in layout.parts("prey", "avoidance")),
         averages=layout.structure.hunted or any({"steer", "integrate"} & set(p.own) for p in strategies),

@@ -10,7 +10,7 @@ from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics import perception
+from tiswarm.dynamics import sight_terms
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
@@ -70,7 +70,7 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any) -> CellSe
     here: prey, predators, obstacles (crowds), numbers; trial; block, end: slots of who looks; count: prey at the start.
     """
     kinds = ("prey", "predators")
-    terms = perception.build_terms(layout, types, see)
+    terms = sight_terms.build(layout, types, see)
     sight = Sight(layout, types, see, near, {kind: slots.build(layout, types, see, kind) for kind in kinds})
     obstacle_of = near_obstacles.build_obstacle(sight)
     blocked, look = near_obstacles.build_avoiding(sight, obstacle_of)
@@ -175,7 +175,7 @@ def _heeding(sight: Sight, terms: Any) -> Func:
     strategies = layout.parts("prey", "strategy")
     observers = [p for p in strategies if "observe" in p.own]
     led = any(p.strategy.leads for p in observers)
-    watched = perception.watching(layout)
+    watched = sight_terms.watching(layout)
     heeds = bool(layout.structure.hunted and (watched or any("beware" in p.own for p in strategies)))
     vision, observed = terms.prey.vision, _observing(sight, terms.prey.vision)
     nearest2 = ranking.build(sight, terms.prey, "prey") if vision.choosy else None

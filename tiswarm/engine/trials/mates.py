@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from tiswarm.dynamics.perception import SightTerms
+from tiswarm.dynamics.sight_terms import MateTerms
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd.lanes import bounded, dot, place, row_of, scaled, vector
@@ -44,7 +44,7 @@ class Mates:
     pull: Func  # as NeighbourSearch.pull
 
 
-def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: SightTerms, alone: Func) -> Mates:
+def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: MateTerms, alone: Func) -> Mates:
     """Build `meet` and `pull` for a kind; own: what it makes of its mates; alone: `pull` for an agent by itself."""
     lanes, dim = types.lanes, len(layout.axes)
     width, tall = len(layout.paths), height(layout)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import taichi as ti
 
-from tiswarm.dynamics import perception, planning, steering
+from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
@@ -27,16 +27,14 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     at, rows = layout.at, layout.rows
     frame = layout.structure.frame
     alone = perception.build(layout, types, see)
-    terms = perception.build_terms(layout, types, see)
     met = {
-        kind: mates.build(layout, types, see, kind, getattr(terms, kind), pull)
+        kind: mates.build(layout, types, see, kind, getattr(alone.terms, kind), pull)
         for kind, pull in alone.pull.items()
         if mates.lends(layout, kind)
     }
     senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)
-    plan = planning.build(layout, types, see).plan
-    steps = driven.steps
+    steps, plan = driven.steps, driven.plan
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
     surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
@@ -59,7 +57,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
         limits = see.limits_of(numbers, b, at.prey)
         for i in range(count):
             a = row_of(b * count + i, prey_rows)
-            driven.begin(prey, a, prey_at(prey, a, i, limits), numbers, b, fresh)
+            driven.memories.begin(prey, a, prey_at(prey, a, i, limits), numbers, b, fresh)
             if ti.static("prey" in frame.unicycles):
                 steps.prey.face(prey, a, fresh)
 
@@ -72,7 +70,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             swarm_seen += prey[a + rows.alive] * prey[a + rows.seen]
         for i in range(count):
             a = row_of(b * count + i, prey_rows)
-            driven.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
+            driven.memories.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
 
     @ti.func
     def move_prey(block: ti.template()):
@@ -82,7 +80,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
         if ti.static(frame.plan != ""):  # noqa: SIM102 - one branch at compile time, one at run time
             if anywhere(clock[b, AGE] < 0.5):
                 plan(block, clock[b, AGE] < 0.5)
-        if ti.static(driven.starts or "prey" in frame.unicycles):
+        if ti.static(driven.memories.starts or "prey" in frame.unicycles):
             fresh = clock[b, AGE] < 0.5
             if anywhere(fresh):
                 begin(prey, numbers, b, counts[0], fresh)
@@ -104,7 +102,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             steps.prey.commit(prey, row_of(b * counts[0] + i, prey_rows), numbers, b)
         if ti.static(frame.contact == "bounce"):
             bounce(prey, numbers, b, counts[0])
-        if ti.static(driven.remembers):
+        if ti.static(driven.memories.remembers):
             remember(prey, numbers, b, counts[0])
 
     @ti.func

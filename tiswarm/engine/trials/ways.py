@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tiswarm.dynamics.planning import STAY, STEPS
+from tiswarm.dynamics.planning import STEPS
 from tiswarm.engine.trials.trial import Single
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.start import Start
@@ -27,8 +27,7 @@ class Ways:
     @classmethod
     def of(cls, single: Single) -> "Ways":
         """Read the plan of a trial that has moved once, or more often."""
-        codes = single.plan()
-        return cls(_MOVES[np.where(codes == STAY, STAY, codes)], single.scenario.planning.cell)
+        return cls(_MOVES[single.plan()], single.scenario.planning.cell)
 
     def cell(self, place: np.ndarray) -> np.ndarray:
         """Give the cells [..., 2] of places [..., 2], the nearest ones to places off the map."""
