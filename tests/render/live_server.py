@@ -35,7 +35,9 @@ class Live:
         """Wait for the processes that it starts, those that run Taichi, and list them."""
         last = time.monotonic() + 30
         while True:
-            listed = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(self.process.pid)], capture_output=True, text=True)  # noqa: PLW1510
+            # -ww: however narrow the terminal, a command's words are whole.
+            command = ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(self.process.pid)]
+            listed = subprocess.run(command, capture_output=True, text=True)  # noqa: PLW1510
             found = [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
             if len(found) == count or time.monotonic() > last:
                 return found
