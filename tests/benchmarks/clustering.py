@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 ROUNDS = 5
 OUT = Path("out/benchmarks/clustering.csv")
@@ -41,7 +41,7 @@ def main() -> None:
         writer = csv.writer(file)
         writer.writerow(["work", "trials/s", "threads", "machine"])
         for title, rate in best.items():
-            writer.writerow([title, round(rate), runtime.start().threads, processor()])
+            writer.writerow([title, round(rate), runtime.start().threads, machine()])
             print(f"{title:28} {rate:8.0f} trials/s")
 
 

@@ -11,7 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tiswarm.records.manifest import processor
+from tiswarm.system.machine import machine
 
 COMMANDS = (("--help",), ("presets",), ("bench", "delft", "--fresh", "--quiet"), ("demo", "--quiet"))
 WARM_ROUNDS = 3
@@ -38,7 +38,7 @@ def main() -> None:
     with OUT.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["command", "empty_cache_s", "warm_s", "machine"])
-        writer.writerows((*row, processor()) for row in rows)
+        writer.writerows((*row, machine()) for row in rows)
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import Scenario, validated
+from tiswarm.system.machine import machine
 
 OUT = Path("out/benchmarks/crossover.csv")
 COUNTS = (100, 200, 400, 800, 1600)
@@ -69,7 +69,7 @@ def main() -> None:
     with OUT.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["world", "prey", "all_pairs_ns", "grid_ns", "machine"])
-        writer.writerows([*row, processor()] for row in rows)
+        writer.writerows([*row, machine()] for row in rows)
 
 
 if __name__ == "__main__":

@@ -14,8 +14,8 @@ import time
 import numpy as np
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 TRIALS = 1024
 
@@ -66,7 +66,7 @@ def main(seconds: float) -> None:
     """Check, then time in turns, the best of three."""
     check()
     threads = runtime.start().threads
-    print(f"{processor()}, {threads} threads, {TRIALS} trials")
+    print(f"{machine()}, {threads} threads, {TRIALS} trials")
     own, others = [], []
     for _ in range(3):
         own.append(ours(seconds))

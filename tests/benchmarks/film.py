@@ -8,7 +8,6 @@ Each figure is the best of several runs after a first one that warms up. Picture
 import argparse
 import csv
 import os
-import platform
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -24,6 +23,7 @@ from render.encoder import encoder, format_of
 from render.scene.scene import CROWDED
 from render.style import Look
 from tiswarm.records.recording import Recording, Swarm
+from tiswarm.system.machine import machine
 
 SIZE = (1920, 1080)
 FPS = 60
@@ -177,7 +177,7 @@ def main() -> None:
     arguments.add_argument("-o", "--output", type=Path, default=Path("out/film-speed.csv"))
     arguments.add_argument("--without-matplotlib", action="store_true")
     chosen = arguments.parse_args()
-    machine = f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores"
+    where = f"{machine()}, {os.cpu_count()} cores"
     rows: list[tuple[str, float]] = []
 
     def note(what: str, rate: float) -> None:
@@ -204,7 +204,7 @@ def main() -> None:
     with chosen.output.open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(("what", "frames_per_second", "machine"))
-        table.writerows((what, f"{rate:.2f}", machine) for what, rate in rows)
+        table.writerows((what, f"{rate:.2f}", where) for what, rate in rows)
 
 
 if __name__ == "__main__":

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 WORLDS = ("delft/centre-0", "delft/centre-10", "delft/pronav-0", "delft/pronav-10", "delft/cluster-0", "delft/cluster-10")
 BY_HAND = ("baseline", "evasive", "explode", "explode-evasive", "split", "split-evasive", "jump")
@@ -20,7 +20,7 @@ OVER = {**GAINS, "prey.goal": (0.01, 1.0, "log"), "prey.weights.reach": (0.5, 6.
 
 def main(folder: Path, names: list[str]) -> None:
     """Print a row for each strategy, and what it gains on trials that no search saw, the mean of all worlds."""
-    print(f"# {processor()}, {runtime.start().threads} threads; 96 000 trials a search in each world, seed 0")
+    print(f"# {machine()}, {runtime.start().threads} threads; 96 000 trials a search in each world, seed 0")
     for name in names:
         worlds = [tiswarm.load(world, {"prey.strategy": name, "prey.avoidance": "kitchen-sink"}) for world in WORLDS]
         over = {path: ends for path, ends in OVER.items() if path in worlds[0].numbers()}

@@ -10,8 +10,8 @@ import numpy as np
 
 import tiswarm
 from tiswarm.engine.trials.candidates import Candidates
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 WORLDS = ("delft/centre-0", "delft/centre-10", "delft/pronav-0", "delft/pronav-10", "delft/cluster-0", "delft/cluster-10")
 BY_HAND = ("baseline", "evasive", "explode", "explode-evasive", "split", "split-evasive", "jump")
@@ -19,7 +19,7 @@ BY_HAND = ("baseline", "evasive", "explode", "explode-evasive", "split", "split-
 
 def main(trials: int, networks: list[str]) -> None:
     """Print success with half a 95 % interval, a row each."""
-    print(f"{processor()}, {runtime.start().threads} threads; {trials:,} trials a cell, seed 0")
+    print(f"{machine()}, {runtime.start().threads} threads; {trials:,} trials a cell, seed 0")
     print("prey | " + " | ".join(world.removeprefix("delft/") for world in WORLDS))
     for name in (*BY_HAND, *networks):
         chosen = {"prey.strategy": "neural", "prey.weights.network": name} if name.endswith(".npz") else {"prey.strategy": name}

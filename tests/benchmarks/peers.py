@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 
 import tiswarm
 from tiswarm.engine.swarms.simulation import Swarm
-from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import validated
+from tiswarm.system.machine import machine
 
 OUT = Path("out/benchmarks/peers.csv")
 COHESION, SEPARATION, MATCHING, SPACING, SPEED = 0.03, 0.015, 0.05, 1.0, 1.0
@@ -249,7 +249,7 @@ def main() -> None:
     with OUT.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["case", "birds", "peer", "100 steps [s]", "time / tiswarm's", "machine"])
-        writer.writerows([*row, processor()] for row in rows)
+        writer.writerows([*row, machine()] for row in rows)
 
 
 if __name__ == "__main__":

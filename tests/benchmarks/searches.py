@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 GAINS = {f"prey.{name}": (0.0005, 0.5, "log") for name in ("cohesion", "separation", "alignment")}
 OVER = {**GAINS, "prey.goal": (0.01, 1.0, "log"), "prey.weights.reach": (0.5, 6.0), "prey.weights.evade": (0.0005, 0.1, "log")}
@@ -48,7 +48,7 @@ WAYS = {
 
 def main(what: str, folder: Path, seeds: int) -> None:
     """Print success on validation trials, a column a seed."""
-    print(f"{processor()}, {runtime.start().threads} threads; {', '.join(f'seed {seed}' for seed in range(seeds))}")
+    print(f"{machine()}, {runtime.start().threads} threads; {', '.join(f'seed {seed}' for seed in range(seeds))}")
     for title, (world, changes, asked) in WAYS[what].items():
         start = tiswarm.load(world, changes)
         cells = []

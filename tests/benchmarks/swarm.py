@@ -19,8 +19,8 @@ import numpy as np
 
 import tiswarm
 from tiswarm.engine.swarms.simulation import Swarm
-from tiswarm.records.manifest import processor
 from tiswarm.scenario.model import Scenario, validated
+from tiswarm.system.machine import machine
 
 OUT = Path("out/benchmarks/swarm.csv")
 SECONDS = 6.0
@@ -131,7 +131,7 @@ def main() -> None:
     with OUT.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["swarm", "dimensions", "figure", "value", "machine"])
-        writer.writerows([*row, processor()] for row in rows)
+        writer.writerows([*row, machine()] for row in rows)
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ import sys
 from pathlib import Path
 
 from tiswarm import load, simulate
-from tiswarm.records.manifest import processor
 from tiswarm.records.results import compare
+from tiswarm.system.machine import machine
 
 ROUNDS = 3
 OUT = Path("out/benchmarks/trials.csv")
@@ -72,7 +72,7 @@ def main() -> None:
         writer = csv.writer(file)
         writer.writerow(["figure", "work", "threads", "value", "machine"])
         for row in rows:
-            writer.writerow([*row, processor()])
+            writer.writerow([*row, machine()])
             print(*row, sep="  ")
 
 

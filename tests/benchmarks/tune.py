@@ -9,8 +9,8 @@ import time
 
 import tiswarm
 from tiswarm.engine.trials.batch import Blocks
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 TUNED = {"prey.strategy": "evasive", "prey.avoidance": "kitchen-sink"}
 OVER = {
@@ -48,7 +48,7 @@ def main(generations: int) -> None:
         raise SystemExit(f"the tuned weights are not better: {told.difference}; not timed")
     searched = generations * CANDIDATES * TRIALS
     checked = sum(made.check is not None for made in tuned.history) + 1
-    print(f"{processor()}, {runtime.start().threads} threads")
+    print(f"{machine()}, {runtime.start().threads} threads")
     print(f"{searched:,} trials searched, {checked} checks, validation: {seconds:.1f} s, {searched / seconds:,.0f} trials/s")
     print(f"in kernels {inside:.1f} s; beside them {seconds / inside - 1:.1%}")
     print(f"success {told.start.mean:.4f} to {told.tuned.mean:.4f}, paired difference {told.difference}")

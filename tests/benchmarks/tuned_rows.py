@@ -6,8 +6,8 @@ python tests/benchmarks/tuned_rows.py [BUDGET] [VALIDATION]
 import sys
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 WORLDS = ("delft/centre-10", "delft/pronav-10")
 PREY = ("baseline", "evasive", "explode", "explode-evasive", "jump", "split", "split-evasive")
@@ -17,9 +17,7 @@ OVER = {**GAINS, "prey.goal": (0.01, 1.0, "log"), "prey.weights.reach": (0.5, 6.
 
 def main(budget: int, validation: int) -> None:
     """Print success before and after, and the paired difference in standard errors."""
-    print(
-        f"{processor()}, {runtime.start().threads} threads; {budget:,} trials a search, {validation:,} for validation, seed 0"
-    )
+    print(f"{machine()}, {runtime.start().threads} threads; {budget:,} trials a search, {validation:,} for validation, seed 0")
     print("world | prey | thesis | tuned | difference | standard errors")
     sure = 0
     for world in WORLDS:

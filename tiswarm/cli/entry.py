@@ -15,7 +15,8 @@ from tiswarm.cli.film import demo, film
 from tiswarm.cli.live import live
 from tiswarm.cli.options import out
 from tiswarm.cli.replay import replay
-from tiswarm.cli.run import run, speed
+from tiswarm.cli.run import run
+from tiswarm.cli.speed import speed
 from tiswarm.cli.tune import tune
 from tiswarm.system.progress import INTERRUPTED, end_work, heed_interrupts, listen_for_interrupts
 from tiswarm.system.words import fault, safe

@@ -1,4 +1,4 @@
-"""Run: many trials of one scenario, and how fast this machine is."""
+"""Run: many trials of one scenario."""
 
 import sys
 import time
@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
 from tiswarm.cli.options import (
     Precision,
@@ -20,7 +19,6 @@ from tiswarm.cli.options import (
     begun,
     out,
     plain_name,
-    start,
 )
 from tiswarm.system.progress import reporting
 
@@ -105,26 +103,3 @@ def _plot(scenario: Any, seed: int, trials: int, folder: Path, quiet: bool) -> l
             recordings.append(tiswarm.record(scenario, trial, seed))
             report(trial + 1)
     return draw(recordings, folder)
-
-
-def speed(
-    seed: Seed = 0,
-    threads: Threads = None,
-    precision: Precision = "f32",
-    quiet: Quiet = False,
-) -> None:
-    """Measure this machine's throughput, with the work stated."""
-    from tiswarm.engine.throughput import WORK, measure
-    from tiswarm.records.manifest import processor
-    from tiswarm.simd import runtime
-
-    start(seed, threads, precision)
-    table = Table(title=f"{processor()}, {runtime.start().threads} threads, {precision}", title_justify="left")
-    for head in ("work", "trials", "trials/s", "first call [s]"):
-        table.add_column(head, justify="left" if head == "work" else "right")
-    for work in WORK:
-        if not quiet and sys.stderr.isatty():
-            sys.stderr.write(f"\rmeasuring {work.title} ...\033[K\r")
-        timing = measure(work, seed)
-        table.add_row(work.title, f"{work.trials:,}", f"{timing.rate:,.0f}", f"{timing.first_call:.1f}")
-    out.print(table)

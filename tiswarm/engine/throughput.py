@@ -9,13 +9,17 @@ from tiswarm.scenario.presets import load
 
 @dataclass(frozen=True)
 class Work:
-    """What is run, and between which bounds its success must lie, so that no wrong result is timed."""
+    """What is run, between which bounds its success must lie, so that no wrong result is timed, and README's rate.
+
+    published: trials per second on the machine that README's figures come from, PUBLISHED_ON.
+    """
 
     title: str
     preset: str
     strategy: str
     trials: int
     success: tuple[float, float]
+    published: int
 
 
 @dataclass(frozen=True)
@@ -26,12 +30,13 @@ class Timing:
     first_call: float
 
 
+PUBLISHED_ON = {"processor": "AMD EPYC", "threads": 2, "vector_bits": 256, "precision": "f32"}
+"""The machine of README's figures."""
+
 WORK = (
-    Work("figure 11: evasive prey, pronav predators, 10 obstacles", "delft/pronav-10", "evasive", 16_384, (0.32, 0.39)),
-    Work("figure 6: kitchen-sink, 10 obstacles, no predators", "delft/avoidance-10", "baseline", 65_536, (0.93, 0.97)),
-    Work(
-        "figure 8: split-evasive prey, centre predators, no obstacles", "delft/centre-0", "split-evasive", 16_384, (0.93, 0.96)
-    ),
+    Work("figure 11: evasive prey, pronav predators, 10 obstacles", "delft/pronav-10", "evasive", 16_384, (0.32, 0.39), 51_600),
+    Work("figure 6: kitchen-sink, 10 obstacles, no predators", "delft/avoidance-10", "baseline", 65_536, (0.93, 0.97), 271_000),
+    Work("figure 8: split-evasive prey, centre predators", "delft/centre-0", "split-evasive", 16_384, (0.93, 0.96), 83_700),
 )
 
 

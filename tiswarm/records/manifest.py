@@ -2,10 +2,10 @@
 
 import json
 import platform
-from pathlib import Path
 from typing import Any
 
 from tiswarm.simd.runtime import Settings
+from tiswarm.system.machine import processor
 from tiswarm.version import __version__
 
 
@@ -26,12 +26,3 @@ def manifest(settings: Settings, **told: Any) -> str:
         "machine": machine,
     }
     return json.dumps({**about, **told}, indent=2) + "\n"
-
-
-def processor() -> str:
-    """Name the processor as its maker does, or as Python knows it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
