@@ -3,13 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import index
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tiswarm.engine.choice import engine_of
-from tiswarm.engine.swarms.batch import outcomes
-from tiswarm.engine.swarms.simulation import Alone
 from tiswarm.engine.trials import batch
 from tiswarm.engine.trials.batch import Finished, Progress
 from tiswarm.engine.trials.trial import Single
@@ -25,6 +23,9 @@ from tiswarm.scenario.start import Start
 from tiswarm.simd import philox, runtime
 from tiswarm.strategies import registry
 from tiswarm.system.progress import reporting
+
+if TYPE_CHECKING:  # trials alone do not wait for the engine of large swarms
+    from tiswarm.engine.swarms.simulation import Alone
 
 MOST_TRIALS = 100_000_000
 """Outcomes of a batch stay in memory, 28 bytes a trial."""
@@ -86,6 +87,8 @@ def _run_apart(
         for scenario, engine in zip(scenarios, engines, strict=True):
             done = trials * len(results)
             if engine == "grid":
+                from tiswarm.engine.swarms.batch import outcomes
+
                 own, measured = outcomes(scenario, trials, seed, lambda here, done=done: report(done + here))  # type: ignore[misc]
                 results.append(Results.of(scenario, seed, runtime.start(), own, measured, None, engine))
             else:
@@ -129,7 +132,9 @@ class Simulation:
         self._terms = terms
         self._own: Single | Alone
         if self.engine == "grid":
-            self._own = Alone(scenario, self.seed, self.trial, start, terms=terms)
+            from tiswarm.engine.swarms import simulation
+
+            self._own = simulation.Alone(scenario, self.seed, self.trial, start, terms=terms)
         else:
             self._own = Single(scenario, self.seed, self.trial, start, terms=terms)
 
