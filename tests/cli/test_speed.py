@@ -33,7 +33,7 @@ def test_json_names_the_machine_and_the_share_of_each_figure(measured, command, 
 def test_the_table_says_the_same_in_words(measured, command, tmp_path, f32):
     said = command("speed", "--quiet", cwd=tmp_path).stdout
     assert f"vectors of {vector_bits()} bits" in said
-    assert "README: AMD EPYC, 2 threads, vectors of 256 bits, f32" in said
+    assert "README: AMD EPYC, 2 threads, vectors of 512 bits, f32" in said
     assert said.count("0.50") == len(throughput.WORK)
 
 

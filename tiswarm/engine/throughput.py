@@ -30,7 +30,7 @@ class Timing:
     first_call: float
 
 
-PUBLISHED_ON = {"processor": "AMD EPYC", "threads": 2, "vector_bits": 256, "precision": "f32"}
+PUBLISHED_ON = {"processor": "AMD EPYC", "threads": 2, "vector_bits": 512, "precision": "f32"}
 """The machine of README's figures."""
 
 WORK = (
