@@ -2,7 +2,8 @@
 
     python tests/benchmarks/live.py [--browser]
 
-Frames are counted by a reader without a browser, which checks that their ticks go up; `--browser` times a slider in Chromium,
+Frames are counted by a reader without a browser, which checks that their ticks go up, and which times how long a number takes
+from its being sent to the frame that heeds it; `--browser` times a slider in Chromium,
 from its event to the frame that heeds it, and to the picture of it, and how long the page takes to lay out a frame. Without a
 graphics card the browser draws on the processor, which is most of what the last of these times take.
 """
@@ -53,6 +54,21 @@ def frames(server: Live, speed: float) -> tuple[float, float]:
     return server.read(deed)
 
 
+def answers(server: Live, knob: str) -> list[float]:
+    """Give the times from a number's being sent to the frame that heeds it [s]."""
+
+    async def deed(reader):
+        took = []
+        for n in range(SLIDES):
+            begin, before = time.perf_counter(), reader.frame["heard"] if reader.frame else 0
+            await reader.say(act="set", path=knob, value=0.01 + n / 1000)
+            await reader.until(lambda r, before=before: r.frame is not None and r.frame["heard"] > before)
+            took.append(time.perf_counter() - begin)
+        return took
+
+    return server.read(deed)
+
+
 def sliders(server: Live, speed: float) -> None:
     """Time a slider, from its event."""
     with tempfile.TemporaryDirectory() as folder:
@@ -80,7 +96,9 @@ def main() -> None:
             server.read(lambda reader: reader.until(lambda r: r.frame is not None))
             for speed in (1, 5, 10):
                 print("{}, speed {}: {:.0f} frames/s, {:.0f} ticks/s".format(preset, speed, *frames(server, speed)), flush=True)
-            if "--browser" in sys.argv:
+                took = answers(server, "prey.separation")
+                print(f"  number to frame {1000 * median(took):.0f} ms (most {1000 * max(took):.0f})", flush=True)
+            if "--browser" in sys.argv and preset == "m20/hawk":
                 for speed in (1, 5, 10):
                     sliders(server, speed)
         finally:
