@@ -15,13 +15,13 @@ const NAMES = {
   time: ["time", "s", 1],
 };
 
-/** Write a mean with half its interval. @param {Interval | undefined} told @param {number} times */
+/** Write a mean, and half its interval. @param {Interval | undefined} told @param {number} times @returns {string[]} */
 function estimate(told, times) {
-  if (!told || told[0] === null) return "–";
+  if (!told || told[0] === null) return ["–"];
   const [mean, low, high] = told.map((each) => (each === null ? NaN : each * times));
   const half = (high - low) / 2;
   const digits = half > 0 ? Math.min(Math.max(1 - Math.floor(Math.log10(half)), 0), 3) : 2;
-  return `${number(mean, digits)}${half > 0 ? ` ± ${number(half, digits)}` : ""}`;
+  return half > 0 ? [number(mean, digits), `± ${number(half, digits)}`] : [number(mean, digits)];
 }
 
 /** Tell whether two intervals have nothing in common. @param {Interval | undefined} a @param {Interval | undefined} b */
@@ -31,13 +31,21 @@ function apart(a, b) {
   return low > top || other > high;
 }
 
-/** @param {HTMLTableRowElement} row @param {string} words @param {boolean} [head] @param {string} [kind] */
-function cell(row, words, head = false, kind = "") {
+/**
+ * Add a cell, with a second line in small type.
+ * @param {HTMLTableRowElement} row @param {string[]} lines @param {boolean} [head] @param {string} [kind]
+ */
+function cell(row, [words, below], head = false, kind = "") {
   const made = document.createElement(head ? "th" : "td");
   if (head) made.scope = row.parentElement?.tagName === "THEAD" ? "col" : "row";
   made.textContent = words;
   made.className = kind;
   if (kind === "apart") made.title = "The intervals of now and before have nothing in common.";
+  if (below) {
+    const small = document.createElement("small");
+    small.textContent = below;
+    made.append(" ", small);
+  }
   row.append(made);
 }
 
@@ -48,15 +56,15 @@ export function showOutcomes({ now, before, watched }) {
   const [head, body] = [document.createElement("thead"), document.createElement("tbody")];
   const top = head.insertRow();
   const count = (/** @type {Estimate} */ each) => (each.trials ?? 0).toLocaleString("en");
-  cell(top, "Mean, 95 %", true);
-  cell(top, now.trials ? `now (${count(now)})` : "now", true);
-  cell(top, before.trials ? `before (${count(before)})` : "before", true);
-  cell(top, `watched (${count(watched)})`, true);
+  cell(top, ["mean", "± 95 %"], true);
+  cell(top, now.trials ? ["now", count(now)] : ["now"], true);
+  cell(top, before.trials ? ["before", count(before)] : ["before"], true);
+  cell(top, ["watched", count(watched)], true);
   const names = Object.keys({ ...now.rows, ...(now.rows ? {} : before.rows) });
   for (const name of names) {
     const [words, unit, times] = NAMES[name] ?? [name, "", 1];
     const row = body.insertRow();
-    cell(row, unit ? `${words} [${unit}]` : words, true);
+    cell(row, [unit ? `${words} [${unit}]` : words], true);
     cell(row, estimate(now.rows?.[name], times), false, apart(now.rows?.[name], before.rows?.[name]) ? "apart" : "");
     cell(row, estimate(before.rows?.[name], times));
     cell(row, estimate(watched.rows?.[name], times));
