@@ -8,7 +8,7 @@ import pytest
 from tiswarm.learning import halving
 from tiswarm.learning.evolution import PairedStrategy
 from tiswarm.learning.race import rounds
-from tiswarm.learning.search import Search, check_method
+from tiswarm.learning.search import Search, check_method, suited
 from tiswarm.scenario.errors import ScenarioError
 
 
@@ -140,6 +140,11 @@ def test_whoever_left_early_is_ranked_behind_by_luck_or_not():
     assert order.tolist() == [1, 3, 0, 2]
     scores = np.array([0.3, 0.1, 0.3])
     assert halving.standing(scores, np.array([7, 7, 7])) is scores
+
+
+def test_networks_are_searched_in_pairs_unless_candidates_leave():
+    assert [suited("prey", False), suited("prey", True), suited("", False)] == ["openai-es", "cma-es", "cma-es"]
+    check_method(suited("prey", True), 8, True)
 
 
 @pytest.mark.parametrize(

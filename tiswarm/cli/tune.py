@@ -36,7 +36,7 @@ _OVER = _option(
 _MAXIMISE = _option("--maximise", "SUM", "What to make large: success when left out, or 'success - 0.001 time'.")
 _MINIMISE = _option("--minimise", "MEASURE", "A measure to make small instead: success for predators.")
 _NETWORK = _option("--network", "SIDE", "Train the network of the prey or the predators.")
-_METHOD = _option("--method", "cma-es|openai-es", "How to search; openai-es: OpenAI's evolution strategy, in pairs.")
+_METHOD = _option("--method", "cma-es|openai-es", "How to search; openai-es, for networks when left out: in pairs.")
 _ALSO = _option("--also", "PRESET", "Count this scenario, too, with the same --set; repeat for more.")
 _ACROSS = _option("--across", "mean|worst", "How scenarios count together.")
 _BUDGET = _option("--budget", "TRIALS", "Trials that the search may take.")
@@ -56,7 +56,7 @@ def tune(
     maximise: Annotated[str | None, _MAXIMISE] = None,
     minimise: Annotated[str | None, _MINIMISE] = None,
     network: Annotated[str, _NETWORK] = "",
-    method: Annotated[str, _METHOD] = "cma-es",
+    method: Annotated[str | None, _METHOD] = None,
     also: Annotated[list[str] | None, _ALSO] = None,
     across: Annotated[str, _ACROSS] = "mean",
     budget: Annotated[int, _BUDGET] = 1_280_000,

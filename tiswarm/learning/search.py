@@ -24,6 +24,11 @@ def check_cmaes() -> None:
         raise ValueError("tune: cmaes is not installed; pip install 'tiswarm[tune]'")
 
 
+def suited(network: str, halving: bool) -> Method:
+    """Give the method that finds most in as many trials, see docs/tuning.md; where candidates leave, the one that can."""
+    return "openai-es" if network and not halving else "cma-es"
+
+
 def check_method(method: str, candidates: int, halving: bool) -> None:
     """Raise ScenarioError for a method that is not there, or cannot do what is asked of it."""
     if method not in get_args(Method):

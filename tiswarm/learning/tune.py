@@ -13,7 +13,7 @@ from tiswarm.learning.keys import Arm
 from tiswarm.learning.objective import Across, Evaluation, check_trials, scores_of, search_trials
 from tiswarm.learning.plan import Budget, Plan, Subject
 from tiswarm.learning.race import Round
-from tiswarm.learning.search import Method, Search, check_cmaes
+from tiswarm.learning.search import Method, Search, check_cmaes, suited
 from tiswarm.learning.store import Store
 from tiswarm.learning.tuned import Check, Generation, Tuned, validated
 from tiswarm.scenario.errors import ScenarioError
@@ -44,7 +44,7 @@ def tune(
     shares: Sequence[float] | None = None,
     progress: bool | Callable[[int, int], None] = False,
     finished: Finished | None = None,
-    method: Method = "cma-es",
+    method: Method | None = None,
     halve: bool = False,
 ) -> Tuned:
     """Find numbers (and choices) that make an objective large.
@@ -58,13 +58,15 @@ def tune(
     shares: how much each scenario counts in the mean, all alike when None.
     network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
     fresh: throw away what the folder holds. finished: called with each generation.
-    method: cma-es or openai-es. halve: the worse half of a generation leaves after a quarter of its trials, and after half.
+    method: cma-es or openai-es; None: openai-es for a network, cma-es for all else and where candidates leave. halve: the worse
+    half of a generation leaves after a quarter of its trials, and after half.
 
     Errors: ScenarioError for what cannot be; ValueError when the folder holds another tuning or cmaes is missing.
     """
     started = time.perf_counter()
     spent = Budget(budget, candidates, trials, checks, validation, halve)
-    plan = Plan.made(scenario, over, spent, objective, across, shares, network, method, seed)
+    chosen = method or suited(network, halve)
+    plan = Plan.made(scenario, over, spent, objective, across, shares, network, chosen, seed)
     if network and folder is None:
         raise ScenarioError("tune: a network is written to a file; name a folder for it")
     check_cmaes()
