@@ -27,21 +27,27 @@ WAYS = {
         for trials, halve in ((80, False), (80, True), (160, True), (40, False))
     },
     "network": {
-        f"{name}, {method}{', halved' if halve else ''}, {candidates} candidates": (
+        f"{name}, {method}, {trials} trials{', halved' if halve else ''}": (
             name,
             LED,
             {
                 "network": "prey",
                 "budget": 192_000,
-                "candidates": candidates,
-                "trials": 40,
+                "candidates": 48,
+                "trials": trials,
                 "checks": 1000,
                 "halve": halve,
                 "method": method,
             },
         )
         for name in ("delft/pronav-10", "delft/centre-10")
-        for method, candidates, halve in (("cma-es", 48, False), ("cma-es", 48, True), ("openai-es", 48, False))
+        for method, trials, halve in (
+            ("cma-es", 40, False),
+            ("cma-es", 40, True),
+            ("cma-es", 10, False),
+            ("openai-es", 40, False),
+            ("openai-es", 10, False),
+        )
     },
 }
 

@@ -41,7 +41,9 @@ _ALSO = _option("--also", "PRESET", "Count this scenario, too, with the same --s
 _ACROSS = _option("--across", "mean|worst", "How scenarios count together.")
 _BUDGET = _option("--budget", "TRIALS", "Trials that the search may take.")
 _CANDIDATES = _option("--candidates", "N", "Candidates of a generation.")
-_TRIALS = _option("--trials", "N", "Trials of each candidate; all of a generation meet the same ones.")
+_TRIALS = _option(
+    "--trials", "N", "Trials of each candidate, the same for all of a generation; 200, or 10 for openai-es, when left out."
+)
 _HALVE = _option("--halve", None, "Let the worse half leave after a quarter of a generation's trials, and again after half.")
 _CHECKS = _option("--checks", "N", "Trials that tell which generation was best.")
 _VALIDATION = _option("--validation", "N", "Trials that no search saw, on which alone the result is told.")
@@ -61,7 +63,7 @@ def tune(
     across: Annotated[str, _ACROSS] = "mean",
     budget: Annotated[int, _BUDGET] = 1_280_000,
     candidates: Annotated[int, _CANDIDATES] = 32,
-    trials: Annotated[int, _TRIALS] = 200,
+    trials: Annotated[int | None, _TRIALS] = None,
     halve: Annotated[bool, _HALVE] = False,
     checks: Annotated[int, _CHECKS] = 2000,
     validation: Annotated[int, _VALIDATION] = 10_000,

@@ -16,7 +16,7 @@ class Training(Part):
     begin: dict[str, Any]  # keys of the scenario, the strategy and the network among them
     budget: Annotated[int, Field(strict=True, ge=1)] = 192_000  # trials of each search, in each scenario that counts
     candidates: Annotated[int, Field(strict=True, ge=4, multiple_of=2)] = 48  # they come in pairs
-    search_trials: Annotated[int, Field(strict=True, ge=1)] = 40  # of each candidate
+    search_trials: Annotated[int, Field(strict=True, ge=1)] = 10  # of each candidate
 
 
 class Contestants(Part):

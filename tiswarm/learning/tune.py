@@ -24,6 +24,9 @@ from tiswarm.system.progress import reporting
 CHECKS = 20
 """How often a tuning looks at the middle of its search, spread evenly over its generations."""
 
+TRIALS = {"cma-es": 200, "openai-es": 10}
+"""Trials of a candidate: small steps in many directions pay by their number, not by how well each is known."""
+
 Finished = Callable[[Generation], None]
 
 
@@ -34,7 +37,7 @@ def tune(
     objective: str = "success",
     across: Across = "mean",
     candidates: int = 32,
-    trials: int = 200,
+    trials: int | None = None,
     checks: int = 2000,
     validation: int = 10_000,
     seed: int = 0,
@@ -51,9 +54,9 @@ def tune(
 
     scenario: one or several, by name, path or as loaded; across: whether their mean or the worst of them counts.
     over: key -> (low, high), (low, high, "log"), (low, high, "whole"), or a list of choices.
-    budget: trials of the search: generations of `candidates` with `trials` each. All candidates of a generation meet the same
-    trials, each generation new ones. checks: trials that tell which generation was best; validation: trials that neither search
-    nor checks saw, on which alone start and result are compared.
+    budget: trials of the search: generations of `candidates` with `trials` each, 10 for openai-es, else 200, when left out. All
+    candidates of a generation meet the same trials, each generation new ones. checks: trials that tell which generation was
+    best; validation: trials that neither search nor checks saw, on which alone start and result are compared.
     folder: where generations are kept, and taken from when the same tuning was cut short before; None keeps nothing.
     shares: how much each scenario counts in the mean, all alike when None.
     network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
@@ -64,8 +67,8 @@ def tune(
     Errors: ScenarioError for what cannot be; ValueError when the folder holds another tuning or cmaes is missing.
     """
     started = time.perf_counter()
-    spent = Budget(budget, candidates, trials, checks, validation, halve)
     chosen = method or suited(network, halve)
+    spent = Budget(budget, candidates, TRIALS.get(chosen, 1) if trials is None else trials, checks, validation, halve)
     plan = Plan.made(scenario, over, spent, objective, across, shares, network, chosen, seed)
     if network and folder is None:
         raise ScenarioError("tune: a network is written to a file; name a folder for it")
