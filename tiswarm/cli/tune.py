@@ -42,8 +42,6 @@ _ACROSS = _option("--across", "mean|worst", "How scenarios count together.")
 _BUDGET = _option("--budget", "TRIALS", "Trials that the search may take.")
 _CANDIDATES = _option("--candidates", "N", "Candidates of a generation.")
 _TRIALS = _option("--trials", "N", "Trials of each candidate, the same for all; 200, or 10 for openai-es, when left out.")
-    "--trials", "N", "Trials of each candidate, the same for all of a generation; 200, or 10 for openai-es, when left out."
-)
 _HALVE = _option("--halve", None, "Let the worse half leave after a quarter of a generation's trials, and again after half.")
 _CHECKS = _option("--checks", "N", "Trials that tell which generation was best.")
 _VALIDATION = _option("--validation", "N", "Trials that no search saw, on which alone the result is told.")
