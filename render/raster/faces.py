@@ -82,19 +82,24 @@ def advance(line: str, size: int) -> float:
     return float(sum(font(face, size).getlength(letters) for face, letters in runs(line)))
 
 
+SHORT = 4
+"""Letters, with the hyphen, that stay together with what follows: numbers such as 13-16-2, and 3-D."""
+
+
 def breakable(text: str) -> list[str]:
-    """Split text where a line may end: behind spaces, and between letters of scripts that write without them.
+    """Split text where a line may end: behind spaces and long words' hyphens, and between letters of scripts without spaces.
 
     What joins again with nothing between it is the text with single spaces.
     """
     pieces: list[str] = []
     for word in text.split():
         for letter in word:
-            wide = unicodedata.east_asian_width(letter) in "WF"
-            if pieces and pieces[-1] and not pieces[-1].endswith(" ") and not (wide and unicodedata.category(letter)[0] != "P"):
-                pieces[-1] += letter
-            else:
+            wide = unicodedata.east_asian_width(letter) in "WF" and unicodedata.category(letter)[0] != "P"
+            before = pieces[-1] if pieces else " "
+            if before.endswith(" ") or wide or (before.endswith("-") and len(before) > SHORT):
                 pieces.append(letter)
+            else:
+                pieces[-1] += letter
         pieces[-1] += " "
     if pieces:
         pieces[-1] = pieces[-1].rstrip()

@@ -68,6 +68,14 @@ def test_any_title_makes_a_picture(make, title, size):
     assert next(iter(pair)).shape == (size[1], size[0], 3)
 
 
+def test_long_words_break_behind_their_hyphens():
+    assert wrapped("fifteen proportional-navigation predators", 20, 220, 9) == [
+        "fifteen proportional-",
+        "navigation predators",
+    ]
+    assert wrapped("a network of 13-16-2 in 3-D", 20, 130, 9) == ["a network of", "13-16-2 in 3-D"]
+
+
 def test_wrapped_lines_fit_and_end_in_an_ellipsis():
     text = "Six prey run fifteen proportional-navigation predators through ten obstacles"
     lines = wrapped(text, 20, 240, 2)
