@@ -123,6 +123,15 @@ def test_where_numbers_gain_nothing_a_network_is_trained(led, tmp_path, f32):
     assert network.gain.mean == pytest.approx(rounds[0].solution.value - won, abs=1e-9)
 
 
+def test_where_numbers_gain_little_a_network_is_trained_too_and_the_better_one_joins(tmp_path, f32):
+    (tmp_path / "led.toml").write_text(RULES + LED + "under = 1.0\n")
+    rounds = Race(rules_of(str(tmp_path / "led.toml")), tmp_path / "whole").run()
+    numbers, network = (each for each in rounds[0].answers if each.side == "predators")
+    assert numbers.accepted
+    best = max((numbers, network), key=lambda each: each.gain.mean)
+    assert rounds[1].predators == (*rounds[0].predators, best.policy)
+
+
 def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, tmp_path, f32):
     Race(led, tmp_path / "whole").run()
     cut_short(led, tmp_path / "cut")
@@ -152,6 +161,7 @@ def test_the_command_prints_rounds_and_writes_them(tmp_path):
         ("candidates = 8", "candidates = 2", "candidates"),
         ('"prey.goal" = [0.01, 1.0, "log"]', '"prey.goal" = 3', "prey.over"),
         ('title = "Small"', 'title = "Small"\nround = 3', "round"),
+        ("[prey.over]", "[prey.network]\nunder = 2\nbegin = {}\n[prey.over]", "prey.network.under"),
         ("[prey.over]", '[prey.network]\nbegin = { "prey.strategy" = "neural" }\n[prey.over]', "add 'prey.weights.network'"),
     ],
 )

@@ -145,9 +145,9 @@ class Race:
         for number in range(self.rules.rounds):
             made = self._round(number, fresh)
             rounds.append(made)
-            for each in made.answers:
-                if each.accepted:
-                    self._policies[each.side].append(each.policy)
+            for best in map(made.best, SIDES):
+                if best.accepted:
+                    self._policies[best.side].append(best.policy)
             write_text(self.folder / "race.json", json.dumps([each.told() for each in rounds], indent=2) + "\n")
             if finished is not None:
                 finished(made)
@@ -178,13 +178,13 @@ class Race:
     def _answers(
         self, side: str, number: int, trials: np.ndarray, solution: zero_sum.Solution, fresh: bool
     ) -> tuple[Answer, ...]:
-        """Search for numbers of one side against the other's mixture, and where these gain nothing, train a network."""
+        """Search for numbers of one side against the other's mixture, and where these gain little, train a network."""
         own, others = self._policies[side], self._policies["predators" if side == "prey" else "prey"]
         mixed = np.einsum("i,j,ijk->k", solution.rows, solution.columns, trials)
         task = _Task(side, number, others, solution.columns if side == "prey" else solution.rows, mixed, fresh)
         by_numbers = self._by_numbers(task, self._best(own, task))
         training = self._contestants(side).network
-        if by_numbers.accepted or training is None:
+        if training is None or (by_numbers.accepted and by_numbers.gain.mean >= training.under):
             return (by_numbers,)
         led = [each for each in own if f"{side}.weights.network" in each.changes]
         begin = Policy(_name(training.begin), training.begin, 0)

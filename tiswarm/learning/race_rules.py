@@ -11,9 +11,10 @@ from tiswarm.studies.design import find_study
 
 
 class Training(Part):
-    """A network that a side trains where its numbers gain nothing: what it begins with, and what that may cost."""
+    """A network that a side trains where its numbers gain nothing, or little: what it begins with, and what that may cost."""
 
     begin: dict[str, Any]  # keys of the scenario, the strategy and the network among them
+    under: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # trained where numbers gain less than this, too
     budget: Annotated[int, Field(strict=True, ge=1)] = 192_000  # trials of each search, in each scenario that counts
     candidates: Annotated[int, Field(strict=True, ge=4, multiple_of=2)] = 48  # they come in pairs
     search_trials: Annotated[int, Field(strict=True, ge=1)] = 10  # of each candidate
