@@ -1,12 +1,14 @@
-"""How fast environments step, beside PettingZoo's simple_tag in as many processes as we have threads.
+"""How fast environments step, beside PettingZoo's simple_tag in as many processes as we have threads, and beside VMAS's.
 
-python tests/benchmarks/environments.py [SECONDS]; the second part needs: pip install mpe2
+python tests/benchmarks/environments.py [SECONDS]; the second part needs: pip install mpe2; the third: pip install torch vmas
 
 Ours: delft/pronav-10, 6 prey and 15 predators among 10 obstacles, capture, crash and arrival judged where moves end, actions
 of all 21 given by NumPy, 54 numbers shown to each. simple_tag: 3 predators, 1 prey, 2 obstacles, soft contacts of discs, 14
-or 16 numbers shown.
+or 16 numbers shown. VMAS's simple_tag: as many trials and agents as ours (15 predators, 6 prey, 10 obstacles), soft contacts,
+forces given by PyTorch, places and velocities of all shown.
 """
 
+import importlib.util
 import multiprocessing
 import sys
 import time
@@ -62,17 +64,39 @@ def tag(seconds: float, rates: "multiprocessing.Queue[float]") -> None:
     rates.put(steps / (time.perf_counter() - began))
 
 
+def vectorised(seconds: float) -> float:
+    """Step VMAS's simple_tag, all trials in each call; give agent-steps a second."""
+    import torch
+    from vmas import make_env
+
+    environment = make_env("simple_tag", TRIALS, "cpu", seed=0, num_good_agents=6, num_adversaries=15, num_landmarks=10)
+    agents = len(environment.agents)
+    actions = [torch.rand(TRIALS, 2) * 2 - 1 for _ in range(agents)]
+    environment.reset()
+    environment.step(actions)
+    steps, began = 0, time.perf_counter()
+    while time.perf_counter() - began < seconds:
+        environment.step(actions)
+        steps += 1
+    return steps * TRIALS * agents / (time.perf_counter() - began)
+
+
+def has(name: str) -> bool:
+    """Tell whether a package is installed."""
+    return importlib.util.find_spec(name) is not None
+
+
 def main(seconds: float) -> None:
     """Check, then time in turns, the best of three."""
     check()
     threads = runtime.start().threads
     print(f"{machine()}, {threads} threads, {TRIALS} trials")
-    own, others = [], []
+    own, others, batched = [], [], []
     for _ in range(3):
         own.append(ours(seconds))
-        try:
-            import mpe2  # noqa: F401
-        except ModuleNotFoundError:
+        if has("vmas"):
+            batched.append(vectorised(seconds))
+        if not has("mpe2"):
             continue
         spawn = multiprocessing.get_context("spawn")
         rates: multiprocessing.Queue[float] = spawn.Queue()
@@ -83,9 +107,10 @@ def main(seconds: float) -> None:
         for worker in workers:
             worker.join()
     print("delft/pronav-10:", ", ".join(f"{rate / 1e6:.2f}" for rate in own), "million agent-steps/s")
-    if others:
-        print(f"simple_tag in {threads} processes:", ", ".join(f"{rate:,.0f}" for rate in others), "agent-steps/s")
-        print(f"ratio of the best: {max(own) / max(others):.0f}")
+    for name, rates_of in ((f"simple_tag of PettingZoo in {threads} processes", others), ("simple_tag of VMAS", batched)):
+        if rates_of:
+            told = ", ".join(f"{rate:,.0f}" for rate in rates_of)
+            print(f"{name}: {told} agent-steps/s; ratio of the best: {max(own) / max(rates_of):.0f}")
 
 
 if __name__ == "__main__":
