@@ -26,12 +26,16 @@ class ContactRules:
     rebound: Func
 
 
-def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
-    """Build meet_obstacle and crash (kind -> func), touches, nearest, travel_of, die, arrive and rebound.
+@dataclass(frozen=True)
+class _Geometry:
+    """How two bodies' touch is judged."""
 
-    Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`
-    is 0 for a start that has not moved yet, which is not judged. Judging the same state twice changes nothing the second time.
-    """
+    touches: Func
+    nearest: Func
+    travel_of: Func
+
+
+def _geometry(layout: ParameterTable, types: Types) -> _Geometry:
     lanes = types.lanes
     at, rows, dim = layout.at, layout.rows, len(layout.axes)
     width = len(layout.paths)
@@ -67,6 +71,22 @@ def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
             for k in ti.static(range(dim)):
                 found[k] += share * travel[k]
         return found
+
+    return _Geometry(touches=touches, nearest=nearest, travel_of=travel_of)
+
+
+def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
+    """Build meet_obstacle and crash (kind -> func), touches, nearest, travel_of, die, arrive and rebound.
+
+    Agents are rows of lanes (`layout.rows`) that begin at row `a`; numbers of block `b`. Masks are 1 or 0 in each lane; `moved`
+    is 0 for a start that has not moved yet, which is not judged. Judging the same state twice changes nothing the second time.
+    """
+    lanes = types.lanes
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
+    width = len(layout.paths)
+    frame = layout.structure.frame
+    geometry = _geometry(layout, types)
+    touches, nearest, travel_of = geometry.touches, geometry.nearest, geometry.travel_of
 
     @ti.func
     def reached(me: ti.template(), travel: ti.template(), target, numbers: ti.template(), b, depth):
@@ -154,9 +174,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
     return ContactRules(
         meet_obstacle={kind: meets_obstacle(kind) for kind in ("prey", "predators")},
         crash={"prey": crash_prey, "predators": crash_predator},
-        touches=touches,
-        nearest=nearest,
-        travel_of=travel_of,
+        **vars(geometry),
         die=die,
         arrive=arrive,
         rebound=rebound,

@@ -25,6 +25,14 @@ class AgentStarts:
 
 
 @dataclass(frozen=True)
+class ObstacleStarts:
+    """Where obstacles lie when a trial starts."""
+
+    drawn: Func
+    spawn: Func
+
+
+@dataclass(frozen=True)
 class Starts:
     """Start states drawn in lanes."""
 
@@ -35,13 +43,13 @@ class Starts:
     obstacles: Func
 
 
-def build(layout: ParameterTable, types: Types) -> Starts:
-    """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
-    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
-    lanes, integers = types.lanes, types.integer_lanes
-    uniform = philox.build(types).uniform
-    at, rows, dim = layout.at, layout.rows, len(layout.axes)
-    frame = layout.structure.frame
+@ti.func
+def store(agents: ti.template(), row, fresh, value):
+    """Write a value into the lanes that are fresh."""
+    agents[row] = ti.select(fresh, value, agents[row])
+
+
+def _within(layout: ParameterTable) -> Func:
     width = len(layout.paths)
 
     @ti.func
@@ -53,13 +61,16 @@ def build(layout: ParameterTable, types: Types) -> Starts:
             for share, low, high in ti.static(zip(shares, box.low, box.high, strict=False))
         ]
 
-    @ti.func
-    def store(agents: ti.template(), row, fresh, value):
-        agents[row] = ti.select(fresh, value, agents[row])
+    return within
+
+
+def _shares(layout: ParameterTable, types: Types, uniform: Func) -> Func:
+    """Build the func that draws shares of the sides of an agent's region and of its velocity's box."""
+    integers = types.integer_lanes
 
     @ti.func
     def flat_shares(key_low, key_high, trial, purpose: ti.template(), index, attempt):
-        """Draw shares of the sides of an agent's region and of its velocity's box; each attempt has numbers of its own."""
+        """Draw them for two axes; each attempt has numbers of its own."""
         a, b, c, d = uniform(key_low, key_high, trial, purpose, index, integers(ti.cast(attempt, ti.u32)))
         return [a, b], [c, d]
 
@@ -70,65 +81,76 @@ def build(layout: ParameterTable, types: Types) -> Starts:
         d, e, f, _ = uniform(key_low, key_high, trial, purpose, index, integers(ti.cast(2 * attempt + 1, ti.u32)))
         return [a, b, c], [d, e, f]
 
-    draw_shares = flat_shares if dim == 2 else deep_shares
+    return flat_shares if len(layout.axes) == 2 else deep_shares
 
-    def draws_agents(kind: str, purpose: int, ball: bool, cap: bool):
-        columns, own_rows = getattr(at, kind), layout.agent_rows[kind]
 
-        @ti.func
-        def ball_shares(key_low, key_high, trial, index):
-            """Draw shares until they lie in the ball inside the unit cube."""
-            kept = [lanes(0.5) for _ in ti.static(range(dim))]
-            missing = lanes(1.0)
-            for attempt in range(1, TRIES):
-                share, _ = draw_shares(key_low, key_high, trial, purpose, index, attempt)
-                off = [2.0 * each - 1.0 for each in ti.static(share)]
-                taken = (missing > 0.5) & (dot(off, off) <= 1.0)
-                for k in ti.static(range(dim)):
-                    kept[k] = ti.select(taken, share[k], kept[k])
-                missing = ti.select(taken, 0.0, missing)
-            return kept
+def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, within: Func) -> AgentStarts:
+    """Build the funcs that start the agents of a kind."""
+    lanes, integers = types.lanes, types.integer_lanes
+    rows, dim, frame = layout.rows, len(layout.axes), layout.structure.frame
+    width = len(layout.paths)
+    columns, own_rows = getattr(layout.at, kind), layout.agent_rows[kind]
+    group = 0 if kind == "prey" else 1
+    purpose = (philox.PREY, philox.PREDATORS)[group]
 
-        @ti.func
-        def drawn(index, numbers: ti.template(), b, trial, key_low, key_high):
-            """Draw where an agent starts and how fast, one after the other in one list. index: integer lanes."""
-            share, rate = draw_shares(key_low, key_high, trial, purpose, index, 0)
-            if ti.static(ball):
-                kept = ball_shares(key_low, key_high, trial, index)
-                for k in ti.static(range(dim)):
-                    share[k] = kept[k]
-            here = within(share, columns.region, numbers, b)
-            velocity = within(rate, columns.velocity, numbers, b)
-            if ti.static(cap):
-                slow = capped(velocity, numbers[b * width + columns.max_speed])
-                for k in ti.static(range(dim)):
-                    velocity[k] = slow[k]
-            return here + velocity
+    @ti.func
+    def ball_shares(key_low, key_high, trial, index):
+        """Draw shares until they lie in the ball inside the unit cube."""
+        kept = [lanes(0.5) for _ in ti.static(range(dim))]
+        missing = lanes(1.0)
+        for attempt in range(1, TRIES):
+            share, _ = draw_shares(key_low, key_high, trial, purpose, index, attempt)
+            off = [2.0 * each - 1.0 for each in ti.static(share)]
+            taken = (missing > 0.5) & (dot(off, off) <= 1.0)
+            for k in ti.static(range(dim)):
+                kept[k] = ti.select(taken, share[k], kept[k])
+            missing = ti.select(taken, 0.0, missing)
+        return kept
 
-        @ti.func
-        def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-            n = b * width
-            for i in range(count):
-                a = (b * count + i) * own_rows
-                state = drawn(integers(ti.cast(i, ti.u32)), numbers, b, trial, key_low, key_high)
-                for k in ti.static(range(dim)):
-                    store(agents, a + rows.place[k], fresh, state[k])
-                    store(agents, a + rows.motion[k], fresh, state[dim + k])
-                exists = ti.select(numbers[n + columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
-                store(agents, a + rows.alive, fresh, exists)
-                store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
-                store(agents, a + rows.seen, fresh, lanes(0.0))
-                store(agents, a + rows.hit, fresh, lanes(0.0))
-                for row in ti.static(rows.travel):
-                    store(agents, a + row, fresh, lanes(0.0))
-                for row in range(rows.count, own_rows):  # the strategies' memory
-                    store(agents, a + row, fresh, lanes(0.0))
+    @ti.func
+    def drawn(index, numbers: ti.template(), b, trial, key_low, key_high):
+        """Draw where an agent starts and how fast, one after the other in one list. index: integer lanes."""
+        share, rate = draw_shares(key_low, key_high, trial, purpose, index, 0)
+        if ti.static(frame.shapes[group] == "ball"):
+            kept = ball_shares(key_low, key_high, trial, index)
+            for k in ti.static(range(dim)):
+                share[k] = kept[k]
+        here = within(share, columns.region, numbers, b)
+        velocity = within(rate, columns.velocity, numbers, b)
+        if ti.static(frame.capped[group]):
+            slow = capped(velocity, numbers[b * width + columns.max_speed])
+            for k in ti.static(range(dim)):
+                velocity[k] = slow[k]
+        return here + velocity
 
-        return AgentStarts(drawn=drawn, spawn=spawn)
+    @ti.func
+    def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
+        n = b * width
+        for i in range(count):
+            a = (b * count + i) * own_rows
+            state = drawn(integers(ti.cast(i, ti.u32)), numbers, b, trial, key_low, key_high)
+            for k in ti.static(range(dim)):
+                store(agents, a + rows.place[k], fresh, state[k])
+                store(agents, a + rows.motion[k], fresh, state[dim + k])
+            exists = ti.select(numbers[n + columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
+            store(agents, a + rows.alive, fresh, exists)
+            store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
+            store(agents, a + rows.seen, fresh, lanes(0.0))
+            store(agents, a + rows.hit, fresh, lanes(0.0))
+            for row in ti.static(rows.travel):
+                store(agents, a + row, fresh, lanes(0.0))
+            for row in range(rows.count, own_rows):  # the strategies' memory
+                store(agents, a + row, fresh, lanes(0.0))
 
+    return AgentStarts(drawn=drawn, spawn=spawn)
+
+
+def _obstacles(layout: ParameterTable, types: Types, uniform: Func, within: Func) -> ObstacleStarts:
+    """Build the funcs that lay a trial's obstacles out."""
+    lanes, integers = types.lanes, types.integer_lanes
+    at, dim, frame = layout.at, len(layout.axes), layout.structure.frame
+    width = len(layout.paths)
     region, radius = at.obstacles.region, at.obstacles.radius
-    prey_starts = draws_agents("prey", philox.PREY, frame.shapes[0] == "ball", frame.capped[0])
-    predator_starts = draws_agents("predators", philox.PREDATORS, frame.shapes[1] == "ball", frame.capped[1])
 
     @ti.func
     def obstacle_shares(key_low, key_high, trial, index, attempt):
@@ -184,6 +206,16 @@ def build(layout: ParameterTable, types: Types) -> Starts:
                 store(obstacles, o + k, fresh, ti.select(exists, drawn[k], FAR))
             store(obstacles, o + dim, fresh, ti.select(exists, drawn[dim], 0.0))
 
+    return ObstacleStarts(drawn=drawn_obstacle, spawn=spawn_obstacles)
+
+
+def build(layout: ParameterTable, types: Types) -> Starts:
+    """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
+    uniform, within = philox.build(types).uniform, _within(layout)
+    shares = _shares(layout, types, uniform)
+    prey_starts, predator_starts = (_agents(layout, types, kind, shares, within) for kind in ("prey", "predators"))
+    obstacle_starts = _obstacles(layout, types, uniform, within)
+
     @ti.func
     def spawn(
         prey: ti.template(),
@@ -202,8 +234,12 @@ def build(layout: ParameterTable, types: Types) -> Starts:
         prey_starts.spawn(prey, counts[0], numbers, b, trial, fresh, key_low, key_high)
         if ti.static(layout.structure.hunted):
             predator_starts.spawn(predators, counts[1], numbers, b, trial, fresh, key_low, key_high)
-        spawn_obstacles(obstacles, counts[2], numbers, b, trial, fresh, key_low, key_high)
+        obstacle_starts.spawn(obstacles, counts[2], numbers, b, trial, fresh, key_low, key_high)
 
     return Starts(
-        spawn=spawn, uniform=uniform, prey=prey_starts.drawn, predators=predator_starts.drawn, obstacles=drawn_obstacle
+        spawn=spawn,
+        uniform=uniform,
+        prey=prey_starts.drawn,
+        predators=predator_starts.drawn,
+        obstacles=obstacle_starts.drawn,
     )

@@ -53,6 +53,64 @@ class Views:
     obstacle_seen: Func  # an obstacle where I see it
 
 
+def _ways(layout: ParameterTable, types: Types, struct_of_obstacle: Any) -> dict[str, Func]:
+    """Build the funcs of where an agent sees what: `sight`, `gap`, `image`, `spot` and `obstacle_seen`."""
+    at, width, dim = layout.at, len(layout.paths), layout.structure.frame.dim
+    periodic = box.wraps(layout.structure.frame.boundary)
+    wrap_sight = layout.structure.frame.wrap_sight
+
+    @ti.func
+    def away(me: ti.template(), other: ti.template(), numbers: ti.template(), b, wrapped: ti.template()):
+        """Give the way from the other to me; where it is wrapped, the shortest of its images in a periodic world."""
+        way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
+        if ti.static(wrapped):
+            for k in ti.static(range(dim)):
+                short = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
+                if ti.static("alive" not in other.keys):  # an obstacle that a trial does not have stays far away
+                    short = ti.select(place(other)[k] < 0.5 * FAR, short, way[k])
+                way[k] = short
+        return way
+
+    @ti.func
+    def sight(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from what I see: across a periodic edge where that is shorter and sight wraps."""
+        return away(me, other, numbers, b, wrap_sight)
+
+    @ti.func
+    def gap(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
+        """Give the way to me from another body, whatever anybody sees."""
+        return away(me, other, numbers, b, periodic)
+
+    # Of what repeats itself, an agent sees the image that is nearest to it: what a hook is given lies where `away` says, and
+    # differences of places mean what they do in an open world. In other worlds these three give what they were given.
+
+    @ti.func
+    def image(me: ti.template(), other, numbers: ti.template(), b):
+        """Give a copy of something, where it is nearest to me."""
+        away = sight(me, other, numbers, b)
+        for k in ti.static(range(dim)):
+            place(other)[k] = place(me)[k] - away[k]
+        return other
+
+    @ti.func
+    def spot(me: ti.template(), other: ti.template(), away: ti.template()):  # noqa: ARG001 - as its sister
+        """Give where I see something that is `away` from me."""
+        return minus(place(me), away)
+
+    @ti.func
+    def obstacle_seen(me: ti.template(), obstacle: ti.template(), away: ti.template()):
+        """Give an obstacle where I see it."""
+        return struct_of_obstacle(*spot(me, obstacle, away), types.lanes(obstacle.radius))
+
+    return {
+        "sight": sight,
+        "gap": gap,
+        "image": image if wrap_sight else _plain(_itself),
+        "spot": spot if wrap_sight else _plain(_its_place),
+        "obstacle_seen": obstacle_seen if wrap_sight else _plain(_itself),
+    }
+
+
 def build(layout: ParameterTable, types: Types) -> Views:
     """Build the structs and the funcs that fill them.
 
@@ -64,8 +122,6 @@ def build(layout: ParameterTable, types: Types) -> Views:
     width = len(layout.paths)
     dim = layout.structure.frame.dim
     target_columns = [*at.target.place, at.target.radius]
-    periodic = box.wraps(layout.structure.frame.boundary)
-    wrap_sight = layout.structure.frame.wrap_sight
 
     def axes(*names: str) -> list[str]:
         return [name + axis for name in names for axis in "xyz"[:dim]]
@@ -75,7 +131,7 @@ def build(layout: ParameterTable, types: Types) -> Views:
 
     state = axes("", "v")
     limits = ["radius", "perception", "spacing", "max_speed", "cohesion", "separation", "alignment"]
-    limits += axes("period_") if wrap_sight else []
+    limits += axes("period_") if layout.structure.frame.wrap_sight else []
     own = {kind: struct([*state, "alive", *limits, *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
     mates = {kind: struct([*state, "alive", *layout.shown(kind)], number=real, odd=real) for kind in layout.agent_rows}
     limits_struct, target_struct = struct(limits), struct([*axes(""), "radius"])
@@ -125,49 +181,6 @@ def build(layout: ParameterTable, types: Types) -> Views:
         n = b * width
         return p.Weights(*[numbers[n + column] for column in ti.static(p.columns)])
 
-    @ti.func
-    def away(me: ti.template(), other: ti.template(), numbers: ti.template(), b, wrapped: ti.template()):
-        """Give the way from the other to me; where it is wrapped, the shortest of its images in a periodic world."""
-        way = [p - q for p, q in ti.static(zip(coordinates(me), coordinates(other), strict=True))]
-        if ti.static(wrapped):
-            for k in ti.static(range(dim)):
-                short = box_lanes.displacement(way[k], numbers[b * width + at.size[k]])
-                if ti.static("alive" not in other.keys):  # an obstacle that a trial does not have stays far away
-                    short = ti.select(place(other)[k] < 0.5 * FAR, short, way[k])
-                way[k] = short
-        return way
-
-    @ti.func
-    def sight(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
-        """Give the way to me from what I see: across a periodic edge where that is shorter and sight wraps."""
-        return away(me, other, numbers, b, wrap_sight)
-
-    @ti.func
-    def gap(me: ti.template(), other: ti.template(), numbers: ti.template(), b):
-        """Give the way to me from another body, whatever anybody sees."""
-        return away(me, other, numbers, b, periodic)
-
-    # Of what repeats itself, an agent sees the image that is nearest to it: what a hook is given lies where `away` says, and
-    # differences of places mean what they do in an open world. In other worlds these three give what they were given.
-
-    @ti.func
-    def image(me: ti.template(), other, numbers: ti.template(), b):
-        """Give a copy of something, where it is nearest to me."""
-        away = sight(me, other, numbers, b)
-        for k in ti.static(range(dim)):
-            place(other)[k] = place(me)[k] - away[k]
-        return other
-
-    @ti.func
-    def spot(me: ti.template(), other: ti.template(), away: ti.template()):  # noqa: ARG001 - as its sister
-        """Give where I see something that is `away` from me."""
-        return minus(place(me), away)
-
-    @ti.func
-    def obstacle_seen(me: ti.template(), obstacle: ti.template(), away: ti.template()):
-        """Give an obstacle where I see it."""
-        return target_struct(*spot(me, obstacle, away), lanes(obstacle.radius))
-
     return Views(
         Me=own,
         Mate=mates,
@@ -183,9 +196,5 @@ def build(layout: ParameterTable, types: Types) -> Views:
         obstacle_at=obstacle_at,
         target_of=target_of,
         weights_of=weights_of,
-        sight=sight,
-        gap=gap,
-        image=image if wrap_sight else _plain(_itself),
-        spot=spot if wrap_sight else _plain(_its_place),
-        obstacle_seen=obstacle_seen if wrap_sight else _plain(_itself),
+        **_ways(layout, types, target_struct),
     )

@@ -1,20 +1,22 @@
 """Observations: what an agent that obeys is shown, as numbers of about one, eight trials at once; what is absent is zero."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import taichi as ti
 
 from tiswarm.engine.trials.session import Kind, Session
+from tiswarm.environments import nearest
+from tiswarm.environments.nearest import FAR, keep_nearest, put
 from tiswarm.environments.shown import NEAREST, Shown
 from tiswarm.simd import launch, runtime
-from tiswarm.simd.lanes import anywhere, bounded, larger, row_of
-from tiswarm.simd.runtime import LANES, TASK
+from tiswarm.simd.lanes import bounded, larger, row_of
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space import box, box_lanes
 
-FAR = 1e29
-"""Beyond whatever is looked at [m, or m²]."""
+KINDS: tuple[Kind, Kind] = ("prey", "predators")
 
 
 class Observer:
@@ -27,7 +29,8 @@ class Observer:
         self._session, self._first = session, first
         wraps = box.wraps(scenario.world.boundary) and scenario.world.wrap_sight
         self._build = lambda: runtime.kept(
-            ("observe", kind, self.shown, layout.structure), lambda: _build(self.shown, kind, layout, wraps)
+            ("observe", kind, self.shown, layout.structure),
+            lambda: _build(_About(self.shown, kind, layout, runtime.types(), wraps)),
         )
         agents, size = getattr(scenario, kind), scenario.world.size
         aim = scenario.target.position if scenario.target.present else size
@@ -47,17 +50,45 @@ class Observer:
         launch.run(self._build(), *arrays, blocks.blocks, session.places, self._first, *counts, precision=blocks.precision)
 
 
-def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
-    types = runtime.types()
-    lanes, rows, dim = types.lanes, layout.rows, len(layout.axes)
-    heights = (layout.agent_rows["prey"], layout.agent_rows["predators"], layout.obstacle_rows)
-    own, axes = 0 if kind == "prey" else 1, list(range(dim))
-    reach, per_metre, per_speed, aimed = (2 * dim + k for k in range(4))
-    array = types.lane_array(1)  # [block * agent * row]
+@dataclass(frozen=True)
+class _About:
+    """Whom and what a kernel shows, and to whom."""
 
-    @ti.func
-    def there(agents: ti.template(), a, places: ti.template()):
-        return [agents[a + row] for row in ti.static(places)]
+    shown: Shown
+    kind: Kind
+    layout: Any
+    types: Types
+    wraps: bool
+
+    @property
+    def averaged(self) -> bool:
+        """Whether means are shown."""
+        return self.shown.place("means")[0] >= 0
+
+    @property
+    def units(self) -> tuple[int, int, int, int]:
+        """Where its reach, 1 / reach, 1 / greatest speed, and 1 or 0 for a target stand in a kernel's numbers."""
+        reach = 2 * len(self.layout.axes)
+        return reach, reach + 1, reach + 2, reach + 3
+
+
+@ti.func
+def there(agents: ti.template(), a, places: ti.template()):
+    """Give an agent's place or velocity, a list."""
+    return [agents[a + row] for row in ti.static(places)]
+
+
+@ti.func
+def square(way: ti.template()):
+    """Give the square of a way's length."""
+    total = way[0] * way[0]
+    for k in ti.static(range(1, len(way))):
+        total = total + way[k] * way[k]
+    return total
+
+
+def _way_to(about: _About) -> Func:
+    wraps, dim = about.wraps, len(about.layout.axes)
 
     @ti.func
     def way_to(here: ti.template(), other: ti.template(), numbers: ti.template()):
@@ -67,100 +98,61 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
                 way[k] = box_lanes.displacement(way[k], numbers[k])
         return way
 
-    @ti.func
-    def square(way: ti.template()):
-        total = way[0] * way[0]
-        for k in ti.static(range(1, dim)):
-            total = total + way[k] * way[k]
-        return total
+    return way_to
+
+
+def _others(about: _About, which: int) -> Func:
+    """Build what shows prey (0) or predators (1)."""
+    shown, layout, lanes = about.shown, about.layout, about.types.lanes
+    rows, dim, averaged = layout.rows, len(layout.axes), about.averaged
+    way_to, show_kept = _way_to(about), nearest.build_show(about.types)
+    height = layout.agent_rows[KINDS[which]]
+    at, mine = shown.place(NEAREST[which]), KINDS[which] == about.kind
+    reach, per_metre, per_speed, _ = about.units
+    most, means = at[1], shown.place("means")[0] + which * (2 * dim + 1)
 
     @ti.func
-    def put(out: ti.template(), places: ti.template(), i, c, value):
-        """Write a number of eight trials, each at its place."""
-        for lane in ti.static(range(LANES)):
-            out[places[lane], i, c] = ti.cast(value[lane], ti.f32)
-
-    @ti.func
-    def keep_nearest(kept: ti.template(), away, found: ti.template(), most: ti.template()):
-        """Put what was found where it belongs among the nearest so far; of equals the first stays first.
-
-        kept: how far each is, nearest first, then what is shown of each.
-        """
-        size = ti.static(len(found))
-        if anywhere(away < kept[most - 1]):
-            for s in ti.static(range(most - 1, 0, -1)):
-                closer, before = away < kept[s], away < kept[s - 1]
-                for c in ti.static(range(size)):
-                    moved = ti.select(before, kept[most + (s - 1) * size + c], found[c])
-                    kept[most + s * size + c] = ti.select(closer, moved, kept[most + s * size + c])
-                kept[s] = ti.select(closer, ti.select(before, kept[s - 1], away), kept[s])
-            first = away < kept[0]
-            for c in ti.static(range(size)):
-                kept[most + c] = ti.select(first, found[c], kept[most + c])
-            kept[0] = ti.select(first, away, kept[0])
-
-    @ti.func
-    def show_kept(
-        out: ti.template(),
-        places: ti.template(),
-        i,
-        kept: ti.template(),
-        at: ti.template(),
-        size: ti.template(),
-        units: ti.template(),
-    ):
-        """Write what was kept of each of the nearest, in its units, and 1; nothing but 0 where there is none."""
-        most = ti.static(at[1])
-        for s in ti.static(range(most)):
-            here = kept[s] < 0.5 * FAR
-            for c in ti.static(range(size)):
-                value = ti.select(here, units[c] * kept[most + s * size + c], 0.0)
-                put(out, places, i, at[0] + s * (size + 1) + c, value)
-            put(out, places, i, at[0] + s * (size + 1) + size, ti.select(here, 1.0, lanes(0.0)))
-
-    def others_shown(which: int):
-        at, mine, height = shown.place(NEAREST[which]), which == own, heights[which]
-        most, means = at[1], shown.place("means")[0] + which * (2 * dim + 1)
-
-        @ti.func
-        def show_others(
-            out: ti.template(), places: ti.template(), i, here: ti.template(), speed: ti.template(), others: ti.template(), b,
-            me, count, numbers: ti.template(),
-        ):  # fmt: skip
-            """Show agents of a kind within reach: the nearest, way and difference of velocity of each, and their means."""
-            kept = [lanes(FAR) for _ in ti.static(range(most * (2 * dim + 1)))]
-            sums = [lanes(0.0) for _ in ti.static(range(2 * dim + 1))]
-            for j in range(count):
-                a = row_of(b * count + j, height)
-                way = way_to(here, there(others, a, rows.place), numbers)
-                motion = there(others, a, rows.motion)
-                drift = [q - p for p, q in ti.static(zip(speed, motion, strict=True))]
-                away = square(way)
-                near = ti.select((away <= numbers[reach] * numbers[reach]) & (others[a + rows.alive] > 0.5), 1.0, lanes(0.0))
-                if ti.static(mine):  # noqa: SIM102 - one branch at compile time, one at run time
-                    if j == me:
-                        near = lanes(0.0)
-                if ti.static(averaged):
-                    for k in ti.static(range(dim)):
-                        sums[k] += near * way[k]
-                        sums[dim + k] += near * drift[k]
-                    sums[2 * dim] += near
-                if ti.static(most > 0):
-                    keep_nearest(kept, ti.select(near > 0.5, away, FAR), ti.static(way + drift), most)
-            units = [numbers[per_metre if c < dim else per_speed] for c in ti.static(range(2 * dim))]
-            if ti.static(most > 0):
-                show_kept(out, places, i, kept, at, 2 * dim, units)
+    def show_others(
+        out: ti.template(), places: ti.template(), i, here: ti.template(), speed: ti.template(), others: ti.template(), b,
+        me, count, numbers: ti.template(),
+    ):  # fmt: skip
+        """Show agents of a kind within reach: the nearest, way and difference of velocity of each, and their means."""
+        kept = [lanes(FAR) for _ in ti.static(range(most * (2 * dim + 1)))]
+        sums = [lanes(0.0) for _ in ti.static(range(2 * dim + 1))]
+        for j in range(count):
+            a = row_of(b * count + j, height)
+            way = way_to(here, there(others, a, rows.place), numbers)
+            motion = there(others, a, rows.motion)
+            drift = [q - p for p, q in ti.static(zip(speed, motion, strict=True))]
+            away = square(way)
+            near = ti.select((away <= numbers[reach] * numbers[reach]) & (others[a + rows.alive] > 0.5), 1.0, lanes(0.0))
+            if ti.static(mine):  # noqa: SIM102 - one branch at compile time, one at run time
+                if j == me:
+                    near = lanes(0.0)
             if ti.static(averaged):
-                share = 1.0 / larger(sums[2 * dim], 1.0)
-                for c in ti.static(range(2 * dim)):
-                    put(out, places, i, means + c, units[c] * (share * sums[c]))
-                put(out, places, i, means + 2 * dim, sums[2 * dim] / (sums[2 * dim] + 5.0))
+                for k in ti.static(range(dim)):
+                    sums[k] += near * way[k]
+                    sums[dim + k] += near * drift[k]
+                sums[2 * dim] += near
+            if ti.static(most > 0):
+                keep_nearest(kept, ti.select(near > 0.5, away, FAR), ti.static(way + drift), most)
+        units = [numbers[per_metre if c < dim else per_speed] for c in ti.static(range(2 * dim))]
+        if ti.static(most > 0):
+            show_kept(out, places, i, kept, at, 2 * dim, units)
+        if ti.static(averaged):
+            share = 1.0 / larger(sums[2 * dim], 1.0)
+            for c in ti.static(range(2 * dim)):
+                put(out, places, i, means + c, units[c] * (share * sums[c]))
+            put(out, places, i, means + 2 * dim, sums[2 * dim] / (sums[2 * dim] + 5.0))
 
-        return show_others
+    return show_others
 
-    averaged = shown.place("means")[0] >= 0
-    show_prey, show_predators = others_shown(0), others_shown(1)
-    hindered = shown.place(NEAREST[2])
+
+def _obstacles(about: _About) -> Func:
+    shown, layout, lanes, dim = about.shown, about.layout, about.types.lanes, len(about.layout.axes)
+    way_to, show_kept = _way_to(about), nearest.build_show(about.types)
+    reach, per_metre, _, _ = about.units
+    hindered, axes = shown.place(NEAREST[2]), list(range(dim))
 
     @ti.func
     def show_obstacles(
@@ -176,7 +168,7 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
         """Show the nearest obstacles whose edges are within reach: way to the edge (from within, out of it), and radius."""
         kept = [lanes(FAR) for _ in ti.static(range(hindered[1] * (dim + 2)))]
         for j in range(count):
-            a = row_of(b * count + j, heights[2])
+            a = row_of(b * count + j, layout.obstacle_rows)
             way = way_to(here, there(obstacles, a, axes), numbers)
             distance = ti.sqrt(square(way))
             edge = distance - obstacles[a + dim]
@@ -187,6 +179,12 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
         units = [numbers[per_metre] for _ in ti.static(range(dim + 1))]
         show_kept(out, places, i, kept, hindered, dim + 1, units)
 
+    return show_obstacles
+
+
+def _own(about: _About) -> Func:
+    shown, dim, way_to = about.shown, len(about.layout.axes), _way_to(about)
+    reach, _, per_speed, aimed = about.units
     alone, aim = shown.place("own")[0], shown.place("target")[0]
 
     @ti.func
@@ -203,6 +201,16 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
             share = numbers[aimed] / (ti.sqrt(square(way)) + (numbers[reach] + 1e-9))
             for k in ti.static(range(dim)):
                 put(out, places, i, aim + k, share * way[k])
+
+    return show_own
+
+
+def _build(about: _About) -> Any:
+    shown, types, rows, averaged = about.shown, about.types, about.layout.rows, about.averaged
+    hunting, height = about.kind == "predators", about.layout.agent_rows[about.kind]
+    show_own, show_obstacles = _own(about), _obstacles(about)
+    show_prey, show_predators = _others(about, 0), _others(about, 1)
+    array = types.lane_array(1)  # [block * agent * row]
 
     @ti.func
     def hide_gone(out: ti.template(), places: ti.template(), i, alive):
@@ -235,17 +243,17 @@ def _build(shown: Shown, kind: Kind, layout: Any, wraps: bool) -> Any:
                     asked += 1 if place[b * LANES + lane] < nowhere else 0
             if asked > 0:
                 places = [place[b * LANES + lane] for lane in ti.static(range(LANES))]
-                agents = ti.static(prey if own == 0 else predators)
-                count = prey_count if ti.static(own == 0) else predator_count
+                agents = ti.static(predators if hunting else prey)
+                count = predator_count if ti.static(hunting) else prey_count
                 for j in range(count):
-                    a, i = row_of(b * count + j, heights[own]), first + j
+                    a, i = row_of(b * count + j, height), first + j
                     here, speed = there(agents, a, rows.place), there(agents, a, rows.motion)
                     show_own(out, places, i, here, speed, numbers)
                     if ti.static(averaged or shown.place(NEAREST[0])[1] > 0):
                         show_prey(out, places, i, here, speed, prey, b, j, prey_count, numbers)
                     if ti.static(averaged or shown.place(NEAREST[1])[1] > 0):
                         show_predators(out, places, i, here, speed, predators, b, j, predator_count, numbers)
-                    if ti.static(hindered[1] > 0):
+                    if ti.static(shown.place(NEAREST[2])[1] > 0):
                         show_obstacles(out, places, i, here, obstacles, b, obstacle_count, numbers)
                     hide_gone(out, places, i, agents[a + rows.alive])
 

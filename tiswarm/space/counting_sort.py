@@ -28,36 +28,78 @@ class Sorts:
     sort_alone: Func
 
 
-def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts:
-    """Build the kernels that sort. They get the whole numbers twice: one by one, and a row (a vector) at a time."""
-    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
+@ti.func
+def share_of(whole: ti.template(), chunk):
+    """Give the first slot of a chunk's agents; chunks are whole groups."""
+    groups = whole[SLOTS] * whole[TRIALS] // LANES
+    return ti.min(chunk * ((groups + whole[CHUNKS] - 1) // whole[CHUNKS]), groups) * LANES
 
-    @ti.func
-    def share_of(whole: ti.template(), chunk):
-        """Give the first slot of a chunk's agents; chunks are whole groups."""
-        groups = whole[SLOTS] * whole[TRIALS] // LANES
-        return ti.min(chunk * ((groups + whole[CHUNKS] - 1) // whole[CHUNKS]), groups) * LANES
 
-    @ti.func
-    def part_of(whole: ti.template(), part):
-        """Give the first row of a part of a table."""
-        rows = whole[TABLE] // LANES
-        return ti.min(part * ((rows + whole[CHUNKS] - 1) // whole[CHUNKS]), rows)
+@ti.func
+def part_of(whole: ti.template(), part):
+    """Give the first row of a part of a table."""
+    rows = whole[TABLE] // LANES
+    return ti.min(part * ((rows + whole[CHUNKS] - 1) // whole[CHUNKS]), rows)
 
-    @ti.func
-    def tables_of(whole: ti.template()):
-        """Give where the first chunk's table begins."""
-        return HEAD + 3 * whole[SLOTS] * whole[TRIALS]
 
-    @ti.func
-    def count(whole: ti.template(), chunk):
-        """Count the moved agents of a chunk by place."""
-        table = tables_of(whole) + chunk * whole[TABLE] + 1
-        for group in range(share_of(whole, chunk) // LANES, share_of(whole, chunk + 1) // LANES):
-            places = [whole[HEAD + group * LANES + k] for k in ti.static(range(LANES))]
-            for k in ti.static(range(LANES)):
-                whole[table + places[k]] = whole[table + places[k]] + 1
+@ti.func
+def tables_of(whole: ti.template()):
+    """Give where the first chunk's table begins."""
+    return HEAD + 3 * whole[SLOTS] * whole[TRIALS]
 
+
+@ti.func
+def count(whole: ti.template(), chunk):
+    """Count the moved agents of a chunk by place."""
+    table = tables_of(whole) + chunk * whole[TABLE] + 1
+    for group in range(share_of(whole, chunk) // LANES, share_of(whole, chunk + 1) // LANES):
+        places = [whole[HEAD + group * LANES + k] for k in ti.static(range(LANES))]
+        for k in ti.static(range(LANES)):
+            whole[table + places[k]] = whole[table + places[k]] + 1
+
+
+@ti.func
+def scatter(agents: ti.template(), whole: ti.template(), chunk):
+    """Move a chunk's agents to their slots; each place's entry ends up behind its last agent."""
+    total = whole[SLOTS] * whole[TRIALS]
+    table = tables_of(whole) + chunk * whole[TABLE] + 1
+    for group in range(share_of(whole, chunk) // LANES, share_of(whole, chunk + 1) // LANES):
+        first = group * LANES
+        places = [whole[HEAD + first + k] for k in ti.static(range(LANES))]
+        numbers = [whole[HEAD + 2 * total + first + k] for k in ti.static(range(LANES))]
+        moved = [agents[total + first + k] for k in ti.static(range(LANES))]
+        for k in ti.static(range(LANES)):
+            to = whole[table + places[k]]
+            whole[table + places[k]] = to + 1
+            whole[HEAD + total + to] = numbers[k]
+            agents[to] = moved[k]
+
+
+@ti.func
+def arrange(agents: ti.template(), whole: ti.template()):
+    """Sort all agents as one chunk inside a kernel that has the whole numbers only one by one."""
+    table = tables_of(whole)
+    for k in range(table, table + whole[TABLE]):
+        whole[k] = 0
+    count(whole, 0)
+    before = 0
+    for k in range(table, table + whole[TABLE]):
+        here = whole[k]
+        whole[k] = before
+        before += here
+    scatter(agents, whole, 0)
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """What clears, sums up and scans tables, a row at a time."""
+
+    clear: Func
+    total_of: Func
+    scan: Func
+
+
+def _tables(row: Any) -> _Tables:
     @ti.func
     def clear(whole: ti.template(), rows: ti.template(), chunk):
         """Forget what a chunk counted."""
@@ -104,21 +146,13 @@ def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts
                 rows[at] = begin
                 begin += here
 
-    @ti.func
-    def scatter(agents: ti.template(), whole: ti.template(), chunk):
-        """Move a chunk's agents to their slots; each place's entry ends up behind its last agent."""
-        total = whole[SLOTS] * whole[TRIALS]
-        table = tables_of(whole) + chunk * whole[TABLE] + 1
-        for group in range(share_of(whole, chunk) // LANES, share_of(whole, chunk + 1) // LANES):
-            first = group * LANES
-            places = [whole[HEAD + first + k] for k in ti.static(range(LANES))]
-            numbers = [whole[HEAD + 2 * total + first + k] for k in ti.static(range(LANES))]
-            moved = [agents[total + first + k] for k in ti.static(range(LANES))]
-            for k in ti.static(range(LANES)):
-                to = whole[table + places[k]]
-                whole[table + places[k]] = to + 1
-                whole[HEAD + total + to] = numbers[k]
-                agents[to] = moved[k]
+    return _Tables(clear=clear, total_of=total_of, scan=scan)
+
+
+def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts:
+    """Build the kernels that sort. They get the whole numbers twice: one by one, and a row (a vector) at a time."""
+    tables = _tables(row)
+    clear, total_of, scan = tables.clear, tables.total_of, tables.scan
 
     @ti.kernel
     def sort(agents: agent_array, whole: whole_array, rows: row_array, iterations: ti.i32):
@@ -144,19 +178,5 @@ def build(row: Any, agent_array: Any, whole_array: Any, row_array: Any) -> Sorts
             count(whole, 0)
             scan(whole, rows, 0)
             scatter(agents, whole, 0)
-
-    @ti.func
-    def arrange(agents: ti.template(), whole: ti.template()):
-        """Sort all agents as one chunk inside a kernel that has the whole numbers only one by one."""
-        table = tables_of(whole)
-        for k in range(table, table + whole[TABLE]):
-            whole[k] = 0
-        count(whole, 0)
-        before = 0
-        for k in range(table, table + whole[TABLE]):
-            here = whole[k]
-            whole[k] = before
-            before += here
-        scatter(agents, whole, 0)
 
     return Sorts(arrange=arrange, sort=sort, sort_alone=sort_alone)

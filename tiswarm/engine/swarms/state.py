@@ -8,7 +8,7 @@ import numpy as np
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine import finite
 from tiswarm.engine.choice import reach_of
-from tiswarm.engine.swarms import compiled, initial, kernels, means, transfer
+from tiswarm.engine.swarms import clock, compiled, initial, means, transfer
 from tiswarm.engine.swarms.compiled import SwarmKernels
 from tiswarm.engine.swarms.population import Population, space_of
 from tiswarm.scenario.model import Scenario
@@ -64,9 +64,9 @@ class SwarmState:
             for crowd in (self._prey, self._predators):
                 crowd.row(alive)[:] = 1
                 crowd.row(alive)[:, : crowd.grid.count] = np.isfinite(crowd.grid.gathered(slice(0, 1))[..., 0])
-        self._clock = np.zeros(kernels.CLOCK, np.int32)
+        self._clock = np.zeros(clock.CLOCK, np.int32)
         self._seen = np.zeros(trials, types.dtype)
-        self._clock[[kernels.FIRST, kernels.KEY_LOW, kernels.KEY_HIGH]] = np.array(
+        self._clock[[clock.FIRST, clock.KEY_LOW, clock.KEY_HIGH]] = np.array(
             [self.trial, *philox.seed_words(self.seed)], np.uint32
         ).view(np.int32)
         self._ready: dict[str, Callable[..., None]] = {}
@@ -142,7 +142,7 @@ class SwarmState:
                 self._tick()
             return
         arrays = (*self._prey.arrays, grid.rows, *self._tools, self._means, self._clock)
-        self._clock[kernels.AGE] = self.age
+        self._clock[clock.AGE] = self.age
         if grid.total <= SMALL:
             self._launch("run_plain", *arrays, ticks)
             self.age += ticks
@@ -151,7 +151,7 @@ class SwarmState:
                 self._launch("move_plain", *arrays)
                 grid.sort()
                 self.age += 1
-                self._clock[kernels.AGE] = self.age
+                self._clock[clock.AGE] = self.age
         self._judge(1)
 
     @property
@@ -165,7 +165,7 @@ class SwarmState:
         own, verlet = self._kernels.tick, self._layout.structure.frame.verlet
         hunted = self._layout.structure.hunted
         counts = (self._prey.grid.count, self._predators.grid.count)
-        self._clock[kernels.AGE] = self.age
+        self._clock[clock.AGE] = self.age
         if verlet:
             self._drift("prey")
         self._average()
@@ -234,7 +234,7 @@ class SwarmState:
         if self.mortal:
             prey, predators = self._prey, self._predators
             hunters = predators.row(self._layout.rows.alive).sum()
-            self._clock[kernels.MOVED] = moved
+            self._clock[clock.MOVED] = moved
             self._launch(
                 "judge",
                 *prey.arrays,

@@ -134,6 +134,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
         ended = (alive_count < 0.5) | (clock[b, AGE] > numbers[b * width + at.ticks] - 0.5)
         clock[b, DONE] = ti.select(ended, clock[b, ON], lanes(0.0))
 
+    return Contacts(judge=judge, bounce=_bounce(layout, see, rules))
+
+
+def _bounce(layout: ParameterTable, see: Views, rules: contact.ContactRules) -> Func:
+    at, rows, dim = layout.at, layout.rows, len(layout.axes)
+    width, prey_rows, prey_mate = len(layout.paths), layout.agent_rows["prey"], see.mate_at["prey"]
+
     @ti.func
     def bounce(prey: ti.template(), numbers: ti.template(), b, count):
         """Let prey that touch and approach each other bounce, pair by pair in a fixed order."""
@@ -151,4 +158,4 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Contacts:
                         prey[a + rows.motion[k]] = motion(me)[k] - given[k]
                         prey[c + rows.motion[k]] = motion(mate)[k] + given[k]
 
-    return Contacts(judge=judge, bounce=bounce)
+    return bounce

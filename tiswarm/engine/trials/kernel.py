@@ -27,7 +27,7 @@ from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
 from tiswarm.simd.lanes import Bundle, bounded, row_of
-from tiswarm.simd.runtime import LANES, TASK, Types
+from tiswarm.simd.runtime import LANES, TASK, Func, Types
 
 OUTCOMES = {
     "alive": ALIVE_COUNT,
@@ -49,20 +49,12 @@ def kernel(structure: Specialisation) -> tuple[Any, ParameterTable, tuple[int, i
     return runtime.kept(("trials", structure), lambda: _build(structure, runtime.types()))
 
 
-def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable, tuple[int, int]]:
-    layout = ParameterTable(structure, types.lanes)
-    see = views.build(layout, types)
-    starts = spawn.build(layout, types)
-    meetings = contacts.build(layout, types, see)
-    moves_of = tick.build(layout, types, see, starts.uniform, meetings.bounce)
-    measures = running.build(layout, types, see)
-    columns = len(layout.paths)
+def _replace(layout: ParameterTable, types: Types, starts: spawn.Starts, measures: running.Measures) -> Func:
+    """Build the func that takes ended trials out of a block's lanes and lets the queue's next ones in."""
+    structure, columns = layout.structure, len(layout.paths)
     outcomes = list(OUTCOMES.values())
     patience = PATIENCE if structure.frame.plan else 1
     state = layout.rows.place + layout.rows.motion
-    flat = types.lane_array(1)
-    integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
-    whole = ti.types.ndarray(dtype=ti.i32, ndim=2)
 
     @ti.func
     def strangeness(agents: ti.template(), b, count, height: ti.template()):
@@ -138,6 +130,21 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
                 block.key_low, block.key_high,
             )  # fmt: skip
             measures.spread_ground(block.sums, block.ground, block.obstacles, block.numbers, b, block.counts[2], fresh)
+
+    return replace
+
+
+def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable, tuple[int, int]]:
+    layout = ParameterTable(structure, types.lanes)
+    see = views.build(layout, types)
+    starts = spawn.build(layout, types)
+    meetings = contacts.build(layout, types, see)
+    moves_of = tick.build(layout, types, see, starts.uniform, meetings.bounce)
+    measures = running.build(layout, types, see)
+    replace = _replace(layout, types, starts, measures)
+    flat = types.lane_array(1)
+    integer_array = ti.types.ndarray(dtype=types.integer_lanes, ndim=2)
+    whole = ti.types.ndarray(dtype=ti.i32, ndim=2)
 
     @ti.func
     def tick_of(block: ti.template(), work: ti.template(), left):

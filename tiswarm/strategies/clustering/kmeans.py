@@ -1,14 +1,17 @@
 """K-means: K-means of the prey and the knee of its inertia, inside kernels; scikit-learn and kneed as the yardstick."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import taichi as ti
 
 from tiswarm.simd.lanes import anywhere, larger, smaller
-from tiswarm.simd.runtime import LANES, Types
+from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space.box_lanes import displacement
 from tiswarm.strategies.clustering import exact, search
+from tiswarm.strategies.clustering import knee as knees
 from tiswarm.strategies.clustering.exact import FEW, SUBSETS
 
 MOST = 8
@@ -44,66 +47,76 @@ def board_rows(dim: int) -> SimpleNamespace:
     return at
 
 
+@dataclass(frozen=True)
+class _Labels:
+    """What writes each prey's cluster."""
+
+    hand_out: Func  # the slots' labels, where prey are few
+    take_best: Func  # the best partition's, where they are many
+    renumber: Func
+
+
+def _labels(types: Types, at: Any) -> _Labels:
+    lanes, real = types.lanes, types.real
+
+    @ti.func
+    def hand_out(board: ti.template(), r, n, is_few):
+        """Hand the slots' labels to their prey."""
+        alive_count = lanes(0.0)
+        for i in range(n):
+            alive = board[r + at.points + at.alive * n + i]
+            own = lanes(0.0)
+            for slot in range(FEW):
+                own = ti.select(alive_count == ti.cast(slot, real), board[r + at.slot_label + slot], own)
+            row = r + at.points + at.label * n + i
+            board[row] = ti.select(is_few, own, board[row])
+            alive_count += alive
+
+    @ti.func
+    def take_best(board: ti.template(), r, n, count):
+        """Take the best partition into as many clusters as the knee says."""
+        for i in range(n):
+            own = lanes(0.0)
+            for k in range(MOST):
+                chosen = count == ti.cast(k + 1, real)
+                own = ti.select(chosen, board[r + at.points + (at.kept + k) * n + i], own)
+            board[r + at.points + at.label * n + i] = own
+
+    @ti.func
+    def renumber(board: ti.template(), r, n):
+        """Give clusters numbers by their first alive prey, whatever found them, -1 to those who are gone; works on `size`."""
+        for c in range(MOST):
+            board[r + at.size + c] = lanes(-1.0)
+        known = lanes(0.0)
+        for i in range(n):
+            row = r + at.points + at.label * n + i
+            alive = board[r + at.points + at.alive * n + i] > 0.5
+            own = lanes(-1.0)
+            for c in range(MOST):
+                mine = alive & (board[row] == ti.cast(c, real))
+                new = mine & (board[r + at.size + c] < -0.5)
+                number = ti.select(new, known, board[r + at.size + c])
+                board[r + at.size + c] = number
+                known += ti.select(new, 1.0, 0.0)
+                own = ti.select(mine, number, own)
+            board[row] = own
+
+    return _Labels(hand_out=hand_out, take_best=take_best, renumber=renumber)
+
+
 def build(layout, types: Types, uniform):
     """Build `find` and `place_of`, which work on rows of a board that begin at row r, for the n prey that begin at row a.
 
     layout: the rows of prey and of a block's whole numbers (`dynamics.table.ParameterTable`).
     """
-    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
     lanes, real = types.lanes, types.real
     dim, own_rows, rows = len(layout.axes), layout.agent_rows["prey"], layout.rows
     at = board_rows(dim)
     few = exact.build(types, dim, at)
     many = search.build(types, dim, MOST, at, uniform)
+    knee = knees.build(at)
+    labels = _labels(types, at)
     wrapping = layout.structure.frame.wrap_sight
-
-    @ti.func
-    def bend(board: ti.template(), r, lane, i, last, low, high):
-        """Give Kneedle's difference curve at point i: the normalised drop so far, less the normalised way there."""
-        drop = 1.0 - (ti.cast(board[r + at.inertia + i][lane], ti.f64) - low) / (high - low)
-        return drop - ti.cast(i, ti.f64) / ti.cast(last, ti.f64)
-
-    @ti.func
-    def knee(board: ti.template(), r, lane, most):
-        """Give one lane's number of clusters: where the inertia's curve over k = 1 to `most` bends, 1 if nowhere.
-
-        Satopaa, Albrecht, Irwin, Raghavan, "Finding a Kneedle in a haystack", 2011, with a sensitivity of 1, for a convex
-        falling curve. The first peak of the difference curve counts after which the curve falls by more than a mean step before
-        it meets a valley or another peak. As in the package kneed, a flat stretch is peak and valley at once, and the ends
-        count as peaks where they are no lower than their one neighbour. In double precision whatever the kernel's is: zeros
-        of the inertia make ties that must not depend on it.
-        """
-        last = most - 1
-        low = ti.cast(board[r + at.inertia][lane], ti.f64)
-        high = low
-        for i in range(1, most):
-            each = ti.cast(board[r + at.inertia + i][lane], ti.f64)
-            low = ti.min(low, each)
-            high = ti.max(high, each)
-        found = 1
-        if high > low:
-            step = ti.cast(0.0, ti.f64)
-            for i in range(last):
-                step += ti.cast(i + 1, ti.f64) / ti.cast(last, ti.f64) - ti.cast(i, ti.f64) / ti.cast(last, ti.f64)
-            step /= ti.cast(last, ti.f64)
-            threshold = ti.cast(0.0, ti.f64)
-            peak, falling, searching = 0, 0, 1
-            here = bend(board, r, lane, 0, last, low, high)
-            before = here
-            for i in range(last):
-                after = bend(board, r, lane, i + 1, last, low, high)
-                if here >= before and here >= after:
-                    threshold = here - step
-                    peak = i
-                    falling = 1
-                if here <= before and here <= after:
-                    falling = 0
-                if searching == 1 and falling == 1 and after < threshold:
-                    found = peak + 1
-                    searching = 0
-                before = here
-                here = after
-        return found
 
     @ti.func
     def fill_slots(board: ti.template(), r, n, prey: ti.template(), a, size: ti.template()):
@@ -134,48 +147,6 @@ def build(layout, types: Types, uniform):
         for k in ti.static(range(dim)):
             board[r + at.origin + k] = origin[k]
         return alive_count
-
-    @ti.func
-    def label_few(board: ti.template(), r, n, is_few):
-        """Hand the slots' labels to their prey."""
-        alive_count = lanes(0.0)
-        for i in range(n):
-            alive = board[r + at.points + at.alive * n + i]
-            own = lanes(0.0)
-            for slot in range(FEW):
-                own = ti.select(alive_count == ti.cast(slot, real), board[r + at.slot_label + slot], own)
-            row = r + at.points + at.label * n + i
-            board[row] = ti.select(is_few, own, board[row])
-            alive_count += alive
-
-    @ti.func
-    def label_many(board: ti.template(), r, n, count):
-        """Take the best partition into as many clusters as the knee says."""
-        for i in range(n):
-            own = lanes(0.0)
-            for k in range(MOST):
-                chosen = count == ti.cast(k + 1, real)
-                own = ti.select(chosen, board[r + at.points + (at.kept + k) * n + i], own)
-            board[r + at.points + at.label * n + i] = own
-
-    @ti.func
-    def renumber(board: ti.template(), r, n):
-        """Give clusters numbers by their first alive prey, whatever found them, -1 to those who are gone; works on `size`."""
-        for c in range(MOST):
-            board[r + at.size + c] = lanes(-1.0)
-        known = lanes(0.0)
-        for i in range(n):
-            row = r + at.points + at.label * n + i
-            alive = board[r + at.points + at.alive * n + i] > 0.5
-            own = lanes(-1.0)
-            for c in range(MOST):
-                mine = alive & (board[row] == ti.cast(c, real))
-                new = mine & (board[r + at.size + c] < -0.5)
-                number = ti.select(new, known, board[r + at.size + c])
-                board[r + at.size + c] = number
-                known += ti.select(new, 1.0, 0.0)
-                own = ti.select(mine, number, own)
-            board[row] = own
 
     @ti.func
     def place_of(board: ti.template(), r, n, prey: ti.template(), a, i, k: ti.template()):
@@ -230,9 +201,9 @@ def build(layout, types: Types, uniform):
             if alive <= FEW:
                 few.trace(board, r, lane, ti.max(alive, 1), ti.min(clusters, ti.max(alive, 1)))
         if anywhere(alive_count > FEW + 0.5):
-            label_many(board, r, n, board[r + at.count])
-        label_few(board, r, n, is_few)
-        renumber(board, r, n)
+            labels.take_best(board, r, n, board[r + at.count])
+        labels.hand_out(board, r, n, is_few)
+        labels.renumber(board, r, n)
         put_centres(board, r, n, prey, a)
 
     return SimpleNamespace(find=cluster, place_of=place_of)

@@ -32,23 +32,19 @@ class Draw:
     draw: Func
 
 
-def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
-    """Build `draw`, which works on rows of a board that begin at row r, once the prey's places are there.
-
-    most: clusters that there may be. at: the first rows of middle (cluster * dim) and inertia (k - 1), and of the rows for each
-    prey, of which there are n: alive, place (axis, prey), draft, weight and drawn.
-    """
-    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
-    lanes, real = types.lanes, types.real
-
+def _away_from(dim: int, at: Any) -> Func:
     @ti.func
     def away_from(board: ti.template(), r, n, i, centre):
         """Give the way from a place to a prey."""
         return [board[r + at.points + (at.place + k) * n + i] - centre[k] for k in ti.static(range(dim))]
 
-    @ti.func
-    def middle_of(board: ti.template(), r, c):
-        return [board[r + at.middle + c * dim + k] for k in ti.static(range(dim))]
+    return away_from
+
+
+def _scatter(types: Types, dim: int, most: int, at: Any, uniform: Func) -> Func:
+    """Build the start of a fit."""
+    lanes, real = types.lanes, types.real
+    away_from = _away_from(dim, at)
 
     @ti.func
     def prey_at(board: ti.template(), r, n, share):
@@ -113,6 +109,18 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
                     nearest = ti.select(lanes(0.0) + ti.cast(c, real) < 0.5, BEYOND, board[weight + i])
                     board[weight + i] = board[r + at.points + at.alive * n + i] * smaller(dot(away, away), nearest)
 
+    return scatter
+
+
+def _settle(types: Types, dim: int, at: Any) -> Func:
+    """Build the rounds of a fit."""
+    lanes, real = types.lanes, types.real
+    away_from = _away_from(dim, at)
+
+    @ti.func
+    def middle_of(board: ti.template(), r, c):
+        return [board[r + at.middle + c * dim + k] for k in ti.static(range(dim))]
+
     @ti.func
     def assign(board: ti.template(), r, n, clusters, count):
         """Give each prey to its nearest centre; tell how many changed theirs, and the inertia, summed prey by prey.
@@ -166,6 +174,18 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
             else:
                 rounds = ROUNDS
         return inertia
+
+    return settle
+
+
+def build(types: Types, dim: int, most: int, at: Any, uniform) -> Draw:
+    """Build `draw`, which works on rows of a board that begin at row r, once the prey's places are there.
+
+    most: clusters that there may be. at: the first rows of middle (cluster * dim) and inertia (k - 1), and of the rows for each
+    prey, of which there are n: alive, place (axis, prey), draft, weight and drawn.
+    """
+    lanes, real = types.lanes, types.real
+    scatter, settle = _scatter(types, dim, most, at, uniform), _settle(types, dim, at)
 
     @ti.func
     def draw(board: ti.template(), r, n, clusters, wanted, asked, number, trial, tick, key_low, key_high):

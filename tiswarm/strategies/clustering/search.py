@@ -26,22 +26,28 @@ class Search:
     search: Func
 
 
-def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
-    """Build `search`, which works on rows of a board that begin at row r.
+@dataclass(frozen=True)
+class _Starts:
+    """Where middles begin."""
 
-    most: clusters that there may be. at: the first rows of middle, base and best_middle (cluster * dim), size, leave and join
-    (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point),
-    draft, weight, and kept (k - 1, point).
-    """
-    # Over our bound for builders: its funcs call each other and close over the same names; parted, each would take them all.
-    lanes = types.lanes
+    grow: Func
+    scatter: Func
 
+
+def _away_from(dim: int, at: Any) -> Func:
     @ti.func
     def away_from(board: ti.template(), r, n, i, c):
         """Give the way from a cluster's middle to a point."""
         return [
             board[r + at.points + (at.place + k) * n + i] - board[r + at.middle + c * dim + k] for k in ti.static(range(dim))
         ]
+
+    return away_from
+
+
+def _settle(types: Types, dim: int, at: Any) -> Func:
+    """Build the way from a start to a partition."""
+    lanes, away_from = types.lanes, _away_from(dim, at)
 
     @ti.func
     def resize(board: ti.template(), r, c, size):
@@ -128,18 +134,11 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
                 inertia += ti.select(own, board[r + at.points + at.alive * n + i] * dot(away, away), 0.0)
         return inertia
 
-    @ti.func
-    def keep_better(board: ti.template(), r, n, clusters, allowed):
-        """Settle from the middles as they are, and keep the partition in the lanes where it is the best so far."""
-        found = settle(board, r, n, clusters)
-        row = r + at.inertia + clusters - 1
-        better = (found < board[row]) & (allowed > 0.5)
-        board[row] = ti.select(better, found, board[row])
-        kept = r + at.points + (at.kept + clusters - 1) * n
-        for i in range(n):
-            board[kept + i] = ti.select(better, board[r + at.points + at.draft * n + i], board[kept + i])
-        for each in range(clusters * dim):
-            board[r + at.best_middle + each] = ti.select(better, board[r + at.middle + each], board[r + at.best_middle + each])
+    return settle
+
+
+def _starts(types: Types, dim: int, most: int, at: Any, uniform: Func) -> _Starts:
+    lanes, away_from = types.lanes, _away_from(dim, at)
 
     @ti.func
     def grow(board: ti.template(), r, n, clusters, i):
@@ -178,6 +177,32 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
                 distance2 = alive * dot(away, away)
                 board[weight + i] = ti.select(distance2 < least, distance2, least)
 
+    return _Starts(grow=grow, scatter=scatter)
+
+
+def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
+    """Build `search`, which works on rows of a board that begin at row r.
+
+    most: clusters that there may be. at: the first rows of middle, base and best_middle (cluster * dim), size, leave and join
+    (cluster), inertia (k - 1), and of the rows for each point, of which there are n: label, alive, place (axis, point),
+    draft, weight, and kept (k - 1, point).
+    """
+    lanes = types.lanes
+    settle, starts = _settle(types, dim, at), _starts(types, dim, most, at, uniform)
+
+    @ti.func
+    def keep_better(board: ti.template(), r, n, clusters, allowed):
+        """Settle from the middles as they are, and keep the partition in the lanes where it is the best so far."""
+        found = settle(board, r, n, clusters)
+        row = r + at.inertia + clusters - 1
+        better = (found < board[row]) & (allowed > 0.5)
+        board[row] = ti.select(better, found, board[row])
+        kept = r + at.points + (at.kept + clusters - 1) * n
+        for i in range(n):
+            board[kept + i] = ti.select(better, board[r + at.points + at.draft * n + i], board[kept + i])
+        for each in range(clusters * dim):
+            board[r + at.best_middle + each] = ti.select(better, board[r + at.middle + each], board[r + at.best_middle + each])
+
     @ti.func
     def search(board: ti.template(), r, n, clusters, restarts, trial, tick, key_low, key_high):
         """Find partitions of small inertia into 1, 2, ..., `clusters` clusters; restarts: drawn starts for each, [lane]."""
@@ -194,10 +219,10 @@ def build(types: Types, dim: int, most: int, at: Any, uniform) -> Search:
             for attempt in range(attempts):
                 allowed = lanes(1.0)
                 if k > 1 and attempt < n:
-                    grow(board, r, n, k, attempt)
+                    starts.grow(board, r, n, k, attempt)
                     allowed = board[r + at.points + at.alive * n + attempt]
                 if attempt >= n:
-                    scatter(board, r, n, k, attempt - n, trial, tick, key_low, key_high)
+                    starts.scatter(board, r, n, k, attempt - n, trial, tick, key_low, key_high)
                     allowed = ti.select(restarts > ti.cast(attempt - n, types.real) + 0.5, 1.0, 0.0)
                 keep_better(board, r, n, k, allowed)
 

@@ -1,0 +1,39 @@
+"""Tally: where what is measured of a block's trials is summed up, state by state."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from tiswarm.dynamics.table import ParameterTable
+from tiswarm.simd.runtime import Func
+
+# Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
+CLEAN, FREE, GROUND_ROWS = range(3)
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Rows of sums, [block * height + row], and the funcs that write them."""
+
+    height: int
+    add: Func  # add a state's value of measure k where it is counted, a mask
+    keep: Func  # put a value there in place of what was
+
+
+def build(layout: ParameterTable) -> Tally:
+    """Lay out the rows."""
+    height = 2 * len(layout.structure.frame.measures) + GROUND_ROWS
+
+    @ti.func
+    def add(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        sums[s] = sums[s] + ti.select(counted, value, 0.0)
+        sums[s + 1] = sums[s + 1] + ti.select(counted, 1.0, 0.0)
+
+    @ti.func
+    def keep(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        sums[s] = ti.select(counted, value, sums[s])
+        sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
+
+    return Tally(height=height, add=add, keep=keep)
