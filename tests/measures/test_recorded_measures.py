@@ -298,3 +298,16 @@ class TestBatches:
         for name in names:
             expected = pytest.approx(many[name][17], rel=2e-4, abs=2e-4, nan_ok=True)  # f32 against f64 sums
             assert recorded.measured(recording, name) == expected, name
+
+
+def test_settling_and_overshoot_of_a_swing_worked_by_hand():
+    apart = np.array([2.0, 1.0, 2.6, 2.0, 1.9, 2.0])
+    pace = np.array([0.0, 1.0, 0.5, 0.06, 0.04, 0.05])
+    position = np.stack([np.stack([-apart / 2, 0 * apart], 1), np.stack([apart / 2, 0 * apart], 1)], axis=1) + 10.0
+    velocity = np.stack([np.stack([pace, 0 * pace], 1)] * 2, axis=1)
+    recording = _recording(position, velocity, **{"world.dt": 0.5})
+    assert recorded.settling_time(recording) == pytest.approx(3 * 0.5)  # 0.05 is no more than a twentieth of 1
+    assert recorded.overshoot(recording) == pytest.approx(2.6 / 2.0 - 1)
+    assert recorded.settling_time(recording, after=4) == pytest.approx(5 * 0.5)  # of 0.05, the greatest from there on
+    still = _recording(position, 0 * velocity)
+    assert recorded.settling_time(still) == 0.0

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.measures.ground import free_cells, variation
 from tiswarm.records.recording import Recording
-from tiswarm.scenario.measures import MEASURED
+from tiswarm.scenario.measures import MEASURED, SETTLED
 from tiswarm.space import box
 from tiswarm.system.words import did_you_mean
 
@@ -179,6 +179,30 @@ def time_to(recording: Recording, share: float) -> float:
     return float(ticks[0] * recording.scenario.world.dt) if len(ticks) else float("nan")
 
 
+def settling_time(recording: Recording, after: int = 0) -> float:
+    """Give when the mean speed was last above a twentieth of the greatest until then [s], NaN where nobody is alive.
+
+    after: the tick that is the first to count.
+    """
+    values = speed(recording)[after:]
+    ticks = np.flatnonzero(np.isfinite(values)) + after
+    if not len(ticks):
+        return float("nan")
+    values = values[ticks - after]
+    moving = ticks[values > SETTLED * np.maximum.accumulate(values)]
+    return float(moving[-1] * recording.scenario.world.dt) if len(moving) else 0.0
+
+
+def overshoot(recording: Recording, after: int = 0) -> float:
+    """Give by what share of the last mean distance to the nearest neighbour the greatest is greater, NaN where there is none.
+
+    after: the tick that is the first to count.
+    """
+    values = nearest(recording)[after:]
+    values = values[np.isfinite(values)]
+    return float(values.max() / max(values[-1], TINY) - 1.0) if len(values) else float("nan")
+
+
 MEANS: dict[str, Callable[[Recording], np.ndarray]] = {
     "polarisation": polarisation,
     "milling": milling,
@@ -201,6 +225,10 @@ LAST: dict[str, Callable[[Recording], np.ndarray]] = {
 """Measures that a trial has as they stand when it ends."""
 
 
+WHOLE: dict[str, Callable[[Recording, int], float]] = {"settling-time": settling_time, "overshoot": overshoot}
+"""Measures of all states from measures.after on together."""
+
+
 def measured(recording: Recording, name: str) -> float:
     """Give what `results.measures[name]` is for this trial, NaN where no state has it.
 
@@ -214,6 +242,8 @@ def measured(recording: Recording, name: str) -> float:
     if name in LAST:
         early = name == "hits" and recording.ticks < after
         return float("nan") if early else float(LAST[name](recording)[-1])
+    if name in WHOLE:
+        return WHOLE[name](recording, after)
     values = MEANS[name](recording)[after:]
     values = values[np.isfinite(values)]
     return float(values.mean()) if len(values) else float("nan")

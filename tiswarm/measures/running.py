@@ -11,7 +11,7 @@ from tiswarm.measures import formulas, swept, traps
 from tiswarm.measures import tally as tallies
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.measures.tally import Tally
-from tiswarm.scenario.measures import TRAPS
+from tiswarm.scenario.measures import SETTLED, TRAPS
 from tiswarm.simd.lanes import anywhere, dot, larger, place, safe, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box
@@ -35,8 +35,10 @@ def _motion(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> F
     prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
 
     @ti.func
-    def measure_motion(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
-        """Polarisation, mean speed, milling, kinetic energy, hits."""
+    def measure_motion(
+        sums: ti.template(), prey: ti.template(), numbers: ti.template(), clock: ti.template(), b, count, counted
+    ):
+        """Polarisation, mean speed and when it had settled, milling, kinetic energy, hits."""
         own = [lanes(0.0) for _ in ti.static(range(AHEAD + 2 * dim))]
         origin = [lanes(0.0) for _ in ti.static(range(dim))]
         period = [numbers[b * width + column] for column in ti.static(at.size if wraps else [])]
@@ -62,6 +64,10 @@ def _motion(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> F
                 tally.add(sums, b, k, there, share * ti.sqrt(dot(total, total)))
             if ti.static(names[k] == "speed"):
                 tally.add(sums, b, k, there, share * own[SPEED])
+            if ti.static(names[k] == "settling-time"):
+                moving = there & (share * own[SPEED] > SETTLED * tally.peak(sums, b, k, there, share * own[SPEED]))
+                last = sums[b * tally.height + 2 * k]
+                tally.keep(sums, b, k, there, ti.select(moving, clock[b, AGE] * numbers[b * width + at.dt], last))
             if ti.static(names[k] == "milling"):
                 tally.add(sums, b, k, there, share * ti.sqrt(dot(spin, spin)))
             if ti.static(names[k] == "kinetic"):
@@ -79,7 +85,7 @@ def _pairs(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> Fu
 
     @ti.func
     def measure_pairs(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
-        """Mean distance to the nearest neighbour, and potential energy."""
+        """Mean distance to the nearest neighbour and by how much it was greater before, and potential energy."""
         n = b * width
         spacing2 = numbers[n + at.prey.spacing] * numbers[n + at.prey.spacing]
         reach2 = numbers[n + at.prey.perception] * numbers[n + at.prey.perception]
@@ -101,6 +107,9 @@ def _pairs(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> Fu
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "nearest"):
                 tally.add(sums, b, k, pairs, nearest / larger(alive, 1.0))
+            if ti.static(names[k] == "overshoot"):
+                apart = nearest / larger(alive, 1.0)
+                tally.keep(sums, b, k, pairs, tally.peak(sums, b, k, pairs, apart) / safe(apart) - 1.0)
             if ti.static(names[k] == "potential"):
                 tally.add(sums, b, k, counted & (alive > 0.5), potential)
 
@@ -173,7 +182,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
     names = layout.structure.frame.measures
     across, down = layout.structure.frame.cells
     cells = across * down
-    pair_names = {"nearest", "potential"} & set(names)
+    pair_names = {"nearest", "overshoot", "potential"} & set(names)
     trapping = bool(set(TRAPS) & set(names))
     tally = tallies.build(layout)
     ground_of = swept.build(layout, types, see, tally)
@@ -197,7 +206,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
                 after = smaller(numbers[b * width + at.after], numbers[b * width + at.ticks])
                 counted = unseen & (clock[b, AGE] > after - 0.5)
                 if anywhere(counted):
-                    measure_motion(sums, prey, numbers, b, counts[0], counted)
+                    measure_motion(sums, prey, numbers, clock, b, counts[0], counted)
                     if ti.static(bool(pair_names)):
                         measure_pairs(sums, prey, numbers, b, counts[0], counted)
                     if ti.static("groups" in names):

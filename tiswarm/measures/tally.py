@@ -5,9 +5,12 @@ from dataclasses import dataclass
 import taichi as ti
 
 from tiswarm.dynamics.table import ParameterTable
+from tiswarm.scenario.measures import PEAKS
+from tiswarm.simd.lanes import larger
 from tiswarm.simd.runtime import Func
 
-# Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are.
+# Rows of a block's sums behind two for each measure (sum and number of states): cells swept so far, and cells there are. Behind
+# them, what each measure of PEAKS was at most.
 CLEAN, FREE, GROUND_ROWS = range(3)
 
 
@@ -18,11 +21,15 @@ class Tally:
     height: int
     add: Func  # add a state's value of measure k where it is counted, a mask
     keep: Func  # put a value there in place of what was
+    peak: Func  # give the greatest value of measure k so far, a state's value included where it is counted
 
 
 def build(layout: ParameterTable) -> Tally:
     """Lay out the rows."""
-    height = 2 * len(layout.structure.frame.measures) + GROUND_ROWS
+    names = layout.structure.frame.measures
+    first = 2 * len(names) + GROUND_ROWS
+    peaked = [name for name in names if name in PEAKS]
+    height = first + len(peaked)
 
     @ti.func
     def add(sums: ti.template(), b, k: ti.template(), counted, value):
@@ -36,4 +43,10 @@ def build(layout: ParameterTable) -> Tally:
         sums[s] = ti.select(counted, value, sums[s])
         sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
 
-    return Tally(height=height, add=add, keep=keep)
+    @ti.func
+    def peak(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + first + ti.static(peaked.index(names[k]))
+        sums[s] = ti.select(counted, larger(sums[s], value), sums[s])
+        return sums[s]
+
+    return Tally(height=height, add=add, keep=keep, peak=peak)

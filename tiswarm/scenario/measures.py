@@ -8,8 +8,15 @@ COUNTED = ("success", "time", "impact_spread", "arrived", "captured", "crashed",
 Measure = Literal[
     "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
     "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-milling",
+    "settling-time", "overshoot",
 ]  # fmt: skip
 """What is measured on request (`measures.names`); measures/recorded.py and measures/deadlocks.py define each."""
+
+PEAKS = ("settling-time", "overshoot")
+"""Measures against the greatest that there was so far."""
+
+SETTLED = 0.05
+"""Who moves no faster than this share of the greatest mean speed has settled: the five per cent of control engineering."""
 
 MEASURED: tuple[str, ...] = get_args(Measure)
 

@@ -17,7 +17,7 @@ from tiswarm.engine.swarms import initial, measured_agents, measured_pairs, tran
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.measures.ground import free_cells, variation
-from tiswarm.scenario.measures import COVERED, SWEPT, TRAPS
+from tiswarm.scenario.measures import COVERED, PEAKS, SETTLED, SWEPT, TRAPS
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime
 from tiswarm.simd.lanes import TINY
@@ -25,8 +25,8 @@ from tiswarm.simd.launch import prepared
 from tiswarm.simd.runtime import LANES, Func
 from tiswarm.space.cell_list import Grid
 
-MOTION = {"polarisation", "milling", "speed", "kinetic"}
-PAIRS = {"nearest", "potential"}
+MOTION = {"polarisation", "milling", "speed", "settling-time", "kinetic"}
+PAIRS = {"nearest", "overshoot", "potential"}
 
 _built: dict[tuple[Any, ...], dict[str, Func]] = {}
 
@@ -52,6 +52,7 @@ class Measures:
         self._centres = np.zeros(trials * dim, types.dtype)
         # Of measures that are means: sum and number of states.
         self._totals: dict[str, np.ndarray] = {name: np.zeros((2, trials)) for name in scenario.measures.names}
+        self._peaks = {name: np.zeros(trials) for name in PEAKS}
         self._changed = np.zeros(1, np.int32)
         self._slots = np.arange(swarm.grid.total, dtype=np.int32)
         self._labels = self._slots.copy()
@@ -116,6 +117,11 @@ class Measures:
         self._add("polarisation", share * np.linalg.norm(sums[:, AHEAD : AHEAD + dim], axis=1), count > 0)
         self._add("speed", share * sums[:, SPEED], count > 0)
         self._add("kinetic", sums[:, ENERGY], count > 0)
+        if "settling-time" in self._names:
+            pace, last = share * sums[:, SPEED], self._totals["settling-time"][0]
+            moving = pace > SETTLED * self._peak("settling-time", pace, count > 0)
+            now = self._swarm.age * self._scenario.world.dt
+            self._keep("settling-time", np.where(moving, now, last), count > 0)
         if "milling" in self._names:
             self._centres[:] += (share[:, None] * sums[:, AHEAD + dim :]).reshape(trials * dim)
             self._add("milling", share * np.linalg.norm(self._summed("spin"), axis=1), count > 0)
@@ -132,12 +138,14 @@ class Measures:
     def _take_pairs(self) -> None:
         prey, count = self._scenario.prey, self._swarm.grid.alive()
         nearest, energy = self._summed("pairs").T
-        self._add("nearest", nearest / np.maximum(count, 1), count > 1)
+        apart = nearest / np.maximum(count, 1)
+        self._add("nearest", apart, count > 1)
+        self._keep("overshoot", self._peak("overshoot", apart, count > 1) / np.maximum(apart, TINY) - 1.0, count > 1)
         if "potential" in self._names:
             spacing2 = max(prey.spacing**2, TINY)
             rim = max(prey.perception**2, TINY) / spacing2  # all pairs have the energy of those at perception, and more
-            apart = prey.spacing**2 * (1 / rim + np.log(rim))
-            self._add("potential", energy + 0.5 * count * (count - 1) * apart, count > 0)
+            rest = prey.spacing**2 * (1 / rim + np.log(rim))
+            self._add("potential", energy + 0.5 * count * (count - 1) * rest, count > 0)
 
     def _take_groups(self) -> None:
         grid, search = self._swarm.grid, self._search
@@ -181,6 +189,17 @@ class Measures:
     def _add(self, name: str, values: np.ndarray, counted: np.ndarray) -> None:
         if name in self._totals:
             self._totals[name] += np.where(counted, values, 0.0), counted
+
+    def _keep(self, name: str, values: np.ndarray, counted: np.ndarray) -> None:
+        """Put values in the place of what was."""
+        if name in self._totals:
+            total, states = self._totals[name]
+            total[counted], states[counted] = values[counted], 1.0
+
+    def _peak(self, name: str, values: np.ndarray, counted: np.ndarray) -> np.ndarray:
+        """Give the greatest value of each trial so far: [trial]."""
+        self._peaks[name] = np.where(counted, np.maximum(self._peaks[name], values), self._peaks[name])
+        return self._peaks[name]
 
     def _summed(self, name: str) -> np.ndarray:
         """Sum up over the prey of each trial, in one order: [trial, column]."""
