@@ -90,6 +90,39 @@ def by_tree(side: float, sight: float) -> Move:
     return move
 
 
+@numba.njit(fastmath=True, inline="always")
+def _met(birds, begin, row, column, x, y, side, sight2, close2, cells):
+    """Sum up over all birds in reach of a place, the one there included: n, Σ away, Σ velocity, Σ away of the close."""
+    one, zero = np.float32(1.0), np.float32(0.0)
+    n = ax = ay = ux = uy = sx = sy = zero
+    for up in range(-1, 2):
+        other = (row + up) % cells
+        dy = np.float32(side) * np.float32((row + up) // cells)
+        for part in range(3):
+            low, high, dx = max(column - 1, 0), min(column + 1, cells - 1), zero
+            if part == 0:
+                if column > 0:
+                    continue
+                low, high, dx = cells - 1, cells - 1, -np.float32(side)
+            elif part == 2:
+                if column < cells - 1:
+                    continue
+                low, high, dx = 0, 0, np.float32(side)
+            for j in range(begin[other * cells + low], begin[other * cells + high + 1]):
+                away_x, away_y = x - birds[j, 0] - dx, y - birds[j, 1] - dy
+                distance2 = away_x * away_x + away_y * away_y
+                near = one if distance2 <= sight2 else zero
+                close = one if distance2 <= close2 else zero
+                n += near
+                ax += near * away_x
+                ay += near * away_y
+                ux += near * birds[j, 2]
+                uy += near * birds[j, 3]
+                sx += close * away_x
+                sy += close * away_y
+    return n, ax, ay, ux, uy, sx, sy
+
+
 @numba.njit(parallel=True, fastmath=True)
 def _cell_move(p, v, side, sight, cells):
     """Move birds through a cell list: counting sort, copies in cell order, rows of cells as ranges, threads over rows."""
@@ -115,32 +148,7 @@ def _cell_move(p, v, side, sight, cells):
         for column in range(cells):
             for i in range(begin[row * cells + column], begin[row * cells + column + 1]):
                 x, y, vx, vy = birds[i, 0], birds[i, 1], birds[i, 2], birds[i, 3]
-                n = ax = ay = ux = uy = sx = sy = zero
-                for up in range(-1, 2):
-                    other = (row + up) % cells
-                    dy = np.float32(side) * np.float32((row + up) // cells)
-                    for part in range(3):
-                        low, high, dx = max(column - 1, 0), min(column + 1, cells - 1), zero
-                        if part == 0:
-                            if column > 0:
-                                continue
-                            low, high, dx = cells - 1, cells - 1, -np.float32(side)
-                        elif part == 2:
-                            if column < cells - 1:
-                                continue
-                            low, high, dx = 0, 0, np.float32(side)
-                        for j in range(begin[other * cells + low], begin[other * cells + high + 1]):
-                            away_x, away_y = x - birds[j, 0] - dx, y - birds[j, 1] - dy
-                            distance2 = away_x * away_x + away_y * away_y
-                            near = one if distance2 <= sight2 else zero
-                            close = one if distance2 <= close2 else zero
-                            n += near
-                            ax += near * away_x
-                            ay += near * away_y
-                            ux += near * birds[j, 2]
-                            uy += near * birds[j, 3]
-                            sx += close * away_x
-                            sy += close * away_y
+                n, ax, ay, ux, uy, sx, sy = _met(birds, begin, row, column, x, y, side, sight2, close2, cells)
                 n, ux, uy = n - one, ux - vx, uy - vy
                 share = one / max(n, one)
                 lone = one if n < 0.5 else zero

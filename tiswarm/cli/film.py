@@ -110,7 +110,7 @@ def film(
     quiet: Quiet = False,
 ) -> None:
     """Run one trial and film it, or several at once, film a recording, or a trial that a study's table counted."""
-    # Long by its options, of which it has many: a verb's signature is its help.
+    # Long: by its options, of which it has many; a verb's signature is its help.
     import render
 
     use = _use(purpose)

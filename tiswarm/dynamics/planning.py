@@ -96,6 +96,17 @@ def _search(layout: ParameterTable, types: Types, map_of: _Grid) -> Func:
     wall = 2.0 * cells
 
     @ti.func
+    def block_disc(board: ti.template(), base, lane, x, y, reach):
+        """Mark the cells whose centres lie in a disc, in one lane. x, y, reach: in sides of a cell."""
+        first, last = ti.max(ti.ceil(x - reach), 1.0), ti.min(ti.floor(x + reach), ti.cast(across, real))
+        low, high = ti.max(ti.ceil(y - reach), 1.0), ti.min(ti.floor(y + reach), ti.cast(up, real))
+        for k in range(ti.cast(first, ti.i32), ti.cast(last, ti.i32) + 1):
+            for i in range(ti.cast(low, ti.i32), ti.cast(high, ti.i32) + 1):
+                off_x, off_y = ti.cast(k, real) - x, ti.cast(i, real) - y
+                if off_x * off_x + off_y * off_y <= reach * reach:
+                    board[base + grid.wall + k * tall + i][lane] = ti.cast(wall, real)
+
+    @ti.func
     def block_cells(board: ti.template(), base, obstacles: ti.template(), numbers: ti.template(), b, count, fresh):
         """Clear the grid, and mark what obstacles block. Only lanes that are fresh have any: the others have their ways."""
         for c in range(cells):
@@ -109,13 +120,7 @@ def _search(layout: ParameterTable, types: Types, map_of: _Grid) -> Func:
                     x, y = obstacles[o][lane] / side + 0.5, obstacles[o + 1][lane] / side + 0.5  # cell k's centre is at k
                     reach = (obstacles[o + 2][lane] + numbers[b * width + at.planning.clearance][lane]) / side
                     if x - reach < across + 1.0:  # obstacles that a trial does not have lie far away
-                        first, last = ti.max(ti.ceil(x - reach), 1.0), ti.min(ti.floor(x + reach), ti.cast(across, real))
-                        low, high = ti.max(ti.ceil(y - reach), 1.0), ti.min(ti.floor(y + reach), ti.cast(up, real))
-                        for k in range(ti.cast(first, ti.i32), ti.cast(last, ti.i32) + 1):
-                            for i in range(ti.cast(low, ti.i32), ti.cast(high, ti.i32) + 1):
-                                off_x, off_y = ti.cast(k, real) - x, ti.cast(i, real) - y
-                                if off_x * off_x + off_y * off_y <= reach * reach:
-                                    board[base + grid.wall + k * tall + i][lane] = ti.cast(wall, real)
+                        block_disc(board, base, lane, x, y, reach)
 
     @ti.func
     def sweep(board: ti.template(), base, first, step):

@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics.rows import AGE, DONE, MEASURED, ON
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.measures import formulas, swept, traps
+from tiswarm.measures import coverage, formulas, traps
 from tiswarm.measures import tally as tallies
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.measures.tally import Tally
@@ -185,7 +185,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
     pair_names = {"nearest", "overshoot", "potential"} & set(names)
     trapping = bool(set(TRAPS) & set(names))
     tally = tallies.build(layout)
-    ground_of = swept.build(layout, types, see, tally)
+    ground_of = coverage.build(layout, types, see, tally)
     measure_motion, measure_pairs, measure_groups = (each(layout, types, see, tally) for each in (_motion, _pairs, _groups))
     measure_traps = _traps(layout, types, see, tally) if trapping else None
 

@@ -47,6 +47,71 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
             x = box_lanes.displacement(x - means[at + 1 + k], numbers[size[k]][0])
         return x
 
+    @ti.func
+    def find_first(whole: ti.template(), sums: ti.template(), piece, first, end):
+        """Write the least number of a piece's agents, and its slot, into the first two rows of its sums."""
+        least = NOBODY
+        found = real(0.0)
+        for slot in range(first, end):
+            number = ti.cast(number_in(whole, slot), real)
+            if number < least:
+                least = number
+                found = ti.cast(slot, real)
+        sums[piece * rows] = lanes(least)
+        sums[piece * rows + 1] = lanes(found)
+
+    @ti.func
+    def put_origin(agents: ti.template(), sums: ti.template(), means: ti.template(), trial, pieces):
+        """Write where the first prey of a trial that is alive is, in the place of its mean position."""
+        least = NOBODY
+        found = 0
+        for piece in range(trial * pieces, (trial + 1) * pieces):
+            if sums[piece * rows][0] < least:
+                least = sums[piece * rows][0]
+                found = ti.cast(sums[piece * rows + 1][0], ti.i32)
+        for k in ti.static(range(dim)):
+            means[trial * told + 1 + k] = 0.0
+            if least < NOBODY:
+                means[trial * told + 1 + k] = agents[found][k]
+
+    @ti.func
+    def sum_up(
+        agents: ti.template(), sums: ti.template(), means: ti.template(), numbers: ti.template(), piece, at, first, past, end,
+    ):  # fmt: skip
+        """Write the sums over the blocks `first` to `past` of a piece. at: where its trial's means begin."""
+        own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(told))])
+        for block in range(first, past):
+            s = block * LANES
+            here = lanes([ti.select(s + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))])
+            own.n += here
+            for k in ti.static(range(dim)):
+                x = lanes([place_of(agents, means, numbers, s + lane, at, k) for lane in ti.static(range(LANES))])
+                place(own)[k] += here * x
+                motion(own)[k] += here * lanes([agents[s + lane][dim + k] for lane in ti.static(range(LANES))])
+        row = piece * rows
+        sums[row] = own.n
+        for k in ti.static(range(dim)):
+            sums[row + 1 + k] = place(own)[k]
+            sums[row + 1 + dim + k] = motion(own)[k]
+
+    @ti.func
+    def put_means(sums: ti.template(), means: ti.template(), trial, pieces):
+        """Write a trial's means from the sums of its pieces."""
+        at = trial * told
+        count = lanes(0.0)
+        for piece in range(trial * pieces, (trial + 1) * pieces):
+            count += sums[piece * rows]
+        means[at] = count.sum()
+        share = 1.0 / ti.max(means[at], 1.0)
+        for k in ti.static(range(2 * dim)):
+            total = lanes(0.0)
+            for piece in range(trial * pieces, (trial + 1) * pieces):
+                total += sums[piece * rows + 1 + k]
+            mean = share * total.sum()
+            if ti.static(wrapping and k < dim):
+                mean = means[at + 1 + k] + mean
+            means[at + 1 + k] = mean
+
     @ti.kernel
     def average(
         agents: near.prey.agent_array, whole: whole_array, sums: types.lane_array(1), means: cold_array,
@@ -60,63 +125,25 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
                 if index % TASK == 0:
                     piece = index // TASK
                     trial = piece // pieces
-                    least = NOBODY
-                    found = real(0.0)
                     first = (trial * blocks + piece % pieces * PIECE) * LANES
-                    for slot in range(first, ti.min(first + PIECE * LANES, near.prey.alive_end(whole, trial))):
-                        number = ti.cast(number_in(whole, slot), real)
-                        if number < least:
-                            least = number
-                            found = ti.cast(slot, real)
-                    sums[piece * rows] = lanes(least)
-                    sums[piece * rows + 1] = lanes(found)
+                    find_first(whole, sums, piece, first, ti.min(first + PIECE * LANES, near.prey.alive_end(whole, trial)))
             for trial in range(whole[TRIALS]):
-                least = NOBODY
-                found = 0
-                for piece in range(trial * pieces, (trial + 1) * pieces):
-                    if sums[piece * rows][0] < least:
-                        least = sums[piece * rows][0]
-                        found = ti.cast(sums[piece * rows + 1][0], ti.i32)
-                for k in ti.static(range(dim)):
-                    means[trial * told + 1 + k] = 0.0
-                    if least < NOBODY:
-                        means[trial * told + 1 + k] = agents[found][k]
+                put_origin(agents, sums, means, trial, pieces)
         for index in range(pieces * whole[TRIALS] * TASK):
             if index % TASK == 0:
                 piece = index // TASK
                 trial = piece // pieces
-                at = trial * told
-                end = near.prey.alive_end(whole, trial)
-                own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(told))])
                 first = trial * blocks + piece % pieces * PIECE
-                for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
-                    s = block * LANES
-                    here = lanes([ti.select(s + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))])
-                    own.n += here
-                    for k in ti.static(range(dim)):
-                        x = lanes([place_of(agents, means, numbers, s + lane, at, k) for lane in ti.static(range(LANES))])
-                        place(own)[k] += here * x
-                        motion(own)[k] += here * lanes([agents[s + lane][dim + k] for lane in ti.static(range(LANES))])
-                row = piece * rows
-                sums[row] = own.n
-                for k in ti.static(range(dim)):
-                    sums[row + 1 + k] = place(own)[k]
-                    sums[row + 1 + dim + k] = motion(own)[k]
+                past, end = ti.min(first + PIECE, (trial + 1) * blocks), near.prey.alive_end(whole, trial)
+                sum_up(agents, sums, means, numbers, piece, trial * told, first, past, end)
         for trial in range(whole[TRIALS]):
-            at = trial * told
-            count = lanes(0.0)
-            for piece in range(trial * pieces, (trial + 1) * pieces):
-                count += sums[piece * rows]
-            means[at] = count.sum()
-            share = 1.0 / ti.max(means[at], 1.0)
-            for k in ti.static(range(2 * dim)):
-                total = lanes(0.0)
-                for piece in range(trial * pieces, (trial + 1) * pieces):
-                    total += sums[piece * rows + 1 + k]
-                mean = share * total.sum()
-                if ti.static(wrapping and k < dim):
-                    mean = means[at + 1 + k] + mean
-                means[at + 1 + k] = mean
+            put_means(sums, means, trial, pieces)
+
+    return MeanKernels(average=average, rank=_rank(near, number_in))
+
+
+def _rank(near: Any, number_in: Func) -> Func:
+    whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
 
     @ti.kernel
     def rank(whole: whole_array, order: whole_array, count: ti.i32):
@@ -128,4 +155,4 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
             if slot < near.prey.alive_end(whole, trial):
                 order[trial * count + number_in(whole, slot)] = slot
 
-    return MeanKernels(average=average, rank=rank)
+    return rank

@@ -136,6 +136,25 @@ def build_watch(layout: ParameterTable, types: Types, see: Views, near: CellFunc
     deep, wide = layout.agent_rows["prey"], len(rows)
     pursue = traps.build(layout, types, see).pursue
 
+    @ti.func
+    def watch_block(
+        agents: ti.template(), whole: ti.template(), numbers: ti.template(), scratch: ti.template(), a, cold: ti.template(),
+        count, start, trial, block, end,
+    ):  # fmt: skip
+        """Take one state of a block's prey, which there are up to slot `end`, into their windows."""
+        slots = [ti.min(block * LANES + lane, end - 1) for lane in ti.static(range(LANES))]
+        total = whole[SLOTS] * whole[TRIALS]
+        whom = [(trial * count + whole[HEAD + total + slot]) * wide for slot in ti.static(slots)]
+        for k in ti.static(range(wide)):
+            scratch[a + rows[k]] = lanes([cold[whom[lane] + k] for lane in ti.static(range(LANES))])
+        body = body_of(agents, block, end)
+        starts = lanes(ti.cast(start, real)) > 0.5
+        pursue(scratch, a, body, numbers, 0, starts, body.alive > 0.5)
+        for lane in ti.static(range(LANES)):
+            if block * LANES + lane < end:
+                for k in ti.static(range(wide)):
+                    cold[whom[lane] + k] = scratch[a + rows[k]][lane]
+
     @ti.kernel
     def watch(
         agents: near.agent_array, whole: whole_array, numbers: types.lane_array(1), scratch: types.lane_array(1),
@@ -149,18 +168,7 @@ def build_watch(layout: ParameterTable, types: Types, see: Views, near: CellFunc
                     trial = block * LANES // whole[SLOTS]
                     end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
                     if end > block * LANES:
-                        slots = [ti.min(block * LANES + lane, end - 1) for lane in ti.static(range(LANES))]
-                        total = whole[SLOTS] * whole[TRIALS]
-                        whom = [(trial * count + whole[HEAD + total + slot]) * wide for slot in ti.static(slots)]
-                        for k in ti.static(range(wide)):
-                            scratch[a + rows[k]] = lanes([cold[whom[lane] + k] for lane in ti.static(range(LANES))])
-                        body = body_of(agents, block, end)
-                        starts = lanes(ti.cast(start, real)) > 0.5
-                        pursue(scratch, a, body, numbers, 0, starts, body.alive > 0.5)
-                        for lane in ti.static(range(LANES)):
-                            if block * LANES + lane < end:
-                                for k in ti.static(range(wide)):
-                                    cold[whom[lane] + k] = scratch[a + rows[k]][lane]
+                        watch_block(agents, whole, numbers, scratch, a, cold, count, start, trial, block, end)
 
     return watch
 

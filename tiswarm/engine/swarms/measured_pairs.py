@@ -158,6 +158,24 @@ def build_groups(layout: ParameterTable, types: Types, near: CellFuncs, body_of:
 
     around = near.walks(meet).around
 
+    @ti.func
+    def join_block(
+        agents: ti.template(), whole: ti.template(), reals: ti.template(), numbers: ti.template(), labels: ti.template(),
+        changed: ti.template(), trial, block, end,
+    ):  # fmt: skip
+        """Give a block's agents, which there are up to slot `end`, and whose label they bore the least label around them."""
+        p = [1.0 * each for each in ti.static(place(body_of(agents, block, end)))]
+        first = [labels[ti.min(block * LANES + lane, end - 1)] for lane in ti.static(range(LANES))]
+        own = [integers(first)]
+        reach2 = numbers[distance] * numbers[distance]
+        view = Bundle(own=own, labels=labels, changed=changed, reach2=lanes(reach2))
+        around(view, p, agents, whole, reals, trial, block, end)
+        for lane in ti.static(range(LANES)):
+            if block * LANES + lane < end and own[0][lane] < first[lane]:
+                ti.atomic_min(labels[first[lane]], own[0][lane])
+                ti.atomic_min(labels[block * LANES + lane], own[0][lane])
+                changed[0] = 1
+
     @ti.kernel
     def join(
         agents: near.agent_array, whole: whole_array, reals: near.real_array, numbers: types.lane_array(1),
@@ -170,17 +188,7 @@ def build_groups(layout: ParameterTable, types: Types, near: CellFuncs, body_of:
                     trial = block * LANES // whole[SLOTS]
                     end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
                     if end > block * LANES:
-                        p = [1.0 * each for each in ti.static(place(body_of(agents, block, end)))]
-                        first = [labels[ti.min(block * LANES + lane, end - 1)] for lane in ti.static(range(LANES))]
-                        own = [integers(first)]
-                        reach2 = numbers[distance] * numbers[distance]
-                        view = Bundle(own=own, labels=labels, changed=changed, reach2=lanes(reach2))
-                        around(view, p, agents, whole, reals, trial, block, end)
-                        for lane in ti.static(range(LANES)):
-                            if block * LANES + lane < end and own[0][lane] < first[lane]:
-                                ti.atomic_min(labels[first[lane]], own[0][lane])
-                                ti.atomic_min(labels[block * LANES + lane], own[0][lane])
-                                changed[0] = 1
+                        join_block(agents, whole, reals, numbers, labels, changed, trial, block, end)
 
     @ti.kernel
     def shorten(labels: whole_array, slots: ti.i32):

@@ -1,4 +1,4 @@
-"""Swept: the ground that prey's tools sweep, cell by cell, while a trial runs; ground.py does so for recordings."""
+"""Coverage: the ground that prey's tools sweep, cell by cell, while a trial runs; ground.py does so for recordings."""
 
 from dataclasses import dataclass
 
