@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics.rows import AGE, DONE, MEASURED, ON
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.measures import formulas, traps
+from tiswarm.measures import formulas, standing, traps
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.scenario.measures import COVERED, TRAPS
 from tiswarm.simd.lanes import Bundle, anywhere, dot, larger, place, safe, smaller
@@ -44,7 +44,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
     across, down = frame.cells
     cells = across * down
     prey_rows, prey_mate = layout.agent_rows["prey"], see.mate_at["prey"]
-    pair_names = {"nearest", "potential"} & set(names)
+    pair_names = {"nearest", "potential", "least-distance"} & set(names)
+    stands, measure_standing = bool({"stalled", "corrected"} & set(names)), standing.build(layout, types, see)
     trapping = bool(set(TRAPS) & set(names))
     watch = traps.build(layout, types, see).watch if trapping else None
 
@@ -59,6 +60,11 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
         s = b * height + 2 * k
         sums[s] = ti.select(counted, value, sums[s])
         sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
+
+    @ti.func
+    def keep_least(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        keep(sums, b, k, counted & ((sums[s + 1] < 0.5) | (value < sums[s])), value)
 
     @ti.func
     def measure_motion(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
@@ -97,11 +103,12 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
 
     @ti.func
     def measure_pairs(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
-        """Mean distance to the nearest neighbour, and potential energy."""
+        """Mean distance to the nearest neighbour, least distance of any two, and potential energy."""
         n = b * width
         spacing2 = numbers[n + at.prey.spacing] * numbers[n + at.prey.spacing]
         reach2 = numbers[n + at.prey.perception] * numbers[n + at.prey.perception]
         alive, nearest, potential = lanes(0.0), lanes(0.0), lanes(0.0)
+        closest = lanes(1e30)
         for i in range(count):
             me = prey_mate(prey, (b * count + i) * prey_rows, i)
             least = lanes(1e30)
@@ -115,10 +122,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
                         potential += 0.5 * me.alive * mate.alive * formulas.pair_energy(distance2, reach2, spacing2)
             alive += me.alive
             nearest += me.alive * ti.sqrt(least)
+            closest = ti.select(me.alive > 0.5, smaller(closest, least), closest)
         pairs = counted & (alive > 1.5)
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "nearest"):
                 add(sums, b, k, pairs, nearest / larger(alive, 1.0))
+            if ti.static(names[k] == "least-distance"):
+                keep_least(sums, b, k, pairs, ti.sqrt(closest))
             if ti.static(names[k] == "potential"):
                 add(sums, b, k, counted & (alive > 0.5), potential)
 
@@ -264,6 +274,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
                     measure_motion(sums, prey, numbers, b, counts[0], counted)
                     if ti.static(bool(pair_names)):
                         measure_pairs(sums, prey, numbers, b, counts[0], counted)
+                    if ti.static(stands):
+                        measure_standing(add, sums, prey, numbers, clock, b, counts[0], counted)
                     if ti.static("groups" in names):
                         measure_groups(sums, prey, numbers, b, counts[0], counted)
                 if ti.static(trapping):
