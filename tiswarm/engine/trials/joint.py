@@ -1,8 +1,7 @@
 """Joint: the commands of all prey of a trial, changed together as little as can be: a quadratic program for each lane.
 
-Minimise Σ |u - û|² over A u <= b. Hildreth's method with over-relaxation on the forces (multipliers) of the constraints: each
-in turn takes the force at which it just holds. A lane keeps a list of those it has met exceeded, and goes through it by
-itself until no velocity changes; all pairs are looked at, in lanes, before and after.
+Minimise Σ |u - û|² over A u <= b. A lane keeps a list of the constraints that it has met exceeded, and solves them by itself
+(joint_solution.py); all pairs and walls are looked at, in lanes, before and after, until nothing new is exceeded.
 """
 
 import taichi as ti
@@ -10,28 +9,17 @@ import taichi as ti
 from tiswarm.dynamics.barrier import Barrier, tolerance
 from tiswarm.dynamics.rows import JOINT_AGENT, JOINT_CONSTRAINT, JOINT_FIRST, JOINT_LENGTH, JOINT_NEW
 from tiswarm.dynamics.table import ParameterTable
-from tiswarm.scenario.barrier import MOST_JOINT
+from tiswarm.engine.trials import joint_solution
+from tiswarm.engine.trials.joint_solution import ACROSS, BOUND, FORCE, GIVE, ONE, OTHER, UP, WALL, U, V, X
 from tiswarm.simd.lanes import anywhere, dot, row_of, safe
 from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space import box, box_lanes
-
-# Rows of an agent: point and velocity. Rows of a constraint a·(u - u') <= bound: both agents (the second a wall, which stays
-# where it is), a, its bound, the force that a unit of excess takes, and its force.
-X, Y, U, V = range(JOINT_AGENT)
-ONE, OTHER, ACROSS, UP, BOUND, GIVE, FORCE = range(JOINT_CONSTRAINT)
-
-WALL = MOST_JOINT
-SWEEPS = 4000
-"""Most times that a list is gone through; twenty robots who press to one point need a hundred or two."""
-
-RELAXATION = 1.5
-"""Twenty robots in a heap take a third of the sweeps that they take without it."""
 
 
 def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> Func:
     """Build `certify` (certificates.py)."""
     board_rows, rows, prey_rows = layout.board, layout.rows, layout.agent_rows["prey"]
-    solve, slacken = _solver(types)
+    solution = joint_solution.build(layout, types)
     meet = _meeting(layout, types, rules)
 
     @ti.func
@@ -53,8 +41,9 @@ def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> 
             for lane in range(LANES):
                 if board[base + JOINT_NEW][lane] > 0.5:
                     board[base + JOINT_NEW][lane] = 0.0
-                    if solve(board, base, lane) == 0:
-                        slacken(board, base, lane, count)
+                    solution.guess(board, base, lane, prey, b * count)
+                    if solution.solve(board, base, lane) == 0:
+                        solution.slacken(board, base, lane, count)
         for i in range(count):
             u = [1.0 * board[base + JOINT_AGENT * i + (U + k)] for k in ti.static(range(2))]
             allow(prey, numbers, b, count, i, u)
@@ -136,61 +125,3 @@ def _meeting(layout: ParameterTable, types: Types, rules: Barrier) -> Func:
         return came
 
     return meet
-
-
-def _solver(types: Types) -> tuple[Func, Func]:
-    """Build what goes through a lane's list, and what slows a lane down whose list has not come to rest."""
-    slack = tolerance(types)
-
-    @ti.func
-    def solve(board: ti.template(), base, lane):
-        """Change velocities until each constraint of a lane's list holds; give 1, or 0 where that takes too many sweeps."""
-        length = ti.cast(board[base + JOINT_LENGTH][lane], ti.i32)
-        left = SWEEPS
-        while left > 0:
-            rest = ti.cast(0.0, types.real)
-            for k in range(length):
-                e = base + JOINT_FIRST + JOINT_CONSTRAINT * k
-                p = base + JOINT_AGENT * ti.cast(board[e + ONE][lane], ti.i32)
-                j = ti.cast(board[e + OTHER][lane], ti.i32)
-                q = base + JOINT_AGENT * j
-                across, up, give, force = (
-                    board[e + ACROSS][lane],
-                    board[e + UP][lane],
-                    board[e + GIVE][lane],
-                    board[e + FORCE][lane],
-                )
-                own = [board[p + (U + k)][lane] for k in ti.static(range(2))]
-                their = [board[q + (U + k)][lane] for k in ti.static(range(2))]
-                over = across * (own[0] - their[0]) + up * (own[1] - their[1]) - board[e + BOUND][lane]
-                raised = ti.max(force + RELAXATION * give * over, 0.0)
-                step = raised - force
-                board[e + FORCE][lane] = raised
-                board[p + U][lane] = own[0] - step * across
-                board[p + V][lane] = own[1] - step * up
-                if j != WALL:
-                    board[q + U][lane] = their[0] + step * across
-                    board[q + V][lane] = their[1] + step * up
-                rest = ti.max(rest, ti.abs(step) / give)
-            left = ti.select(rest <= slack, -1, left - 1)
-        return ti.select(left < 0, 1, 0)
-
-    @ti.func
-    def slacken(board: ti.template(), base, lane, count):
-        """Slow all prey of a lane down until every constraint holds: with less of all velocities each does that lets rest."""
-        share = ti.cast(1.0, types.real)
-        for k in range(ti.cast(board[base + JOINT_LENGTH][lane], ti.i32)):
-            e = base + JOINT_FIRST + JOINT_CONSTRAINT * k
-            p = base + JOINT_AGENT * ti.cast(board[e + ONE][lane], ti.i32)
-            q = base + JOINT_AGENT * ti.cast(board[e + OTHER][lane], ti.i32)
-            along = board[e + ACROSS][lane] * (board[p + U][lane] - board[q + U][lane])
-            along += board[e + UP][lane] * (board[p + V][lane] - board[q + V][lane])
-            bound = board[e + BOUND][lane]
-            if bound >= 0.0 and along > bound:
-                share = ti.min(share, bound / along)
-        for i in range(count):
-            for k in ti.static((U, V)):
-                row = base + JOINT_AGENT * i + k
-                board[row][lane] = share * board[row][lane]
-
-    return solve, slacken
