@@ -15,13 +15,12 @@ STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
 TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
 
 # Rows of the board on which a block's commands are corrected together: of an agent its point and velocity, the last one that of
-# a wall; of a lane how many constraints it has met, and whether any of them is new; a square of numbers for a direct solution;
-# and of each constraint what joint.py says.
+# a wall; of a lane how many constraints it has met, and whether any of them is new; and of each constraint what
+# joint_solution.py says.
 JOINT_AGENT, JOINT_CONSTRAINT = 4, 7
 JOINT_LENGTH = JOINT_AGENT * (MOST_JOINT + 1)
 JOINT_NEW = JOINT_LENGTH + 1
-JOINT_SQUARE, JOINT_SIDE = JOINT_NEW + 1, 16
-JOINT_FIRST = JOINT_SQUARE + JOINT_SIDE * JOINT_SIDE
+JOINT_FIRST = JOINT_NEW + 1
 JOINT_ROWS = JOINT_FIRST + JOINT_CONSTRAINT * (MOST_JOINT * (MOST_JOINT - 1) // 2 + 4 * MOST_JOINT)
 
 

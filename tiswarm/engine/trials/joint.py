@@ -19,7 +19,7 @@ from tiswarm.space import box, box_lanes
 def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> Func:
     """Build `certify` (certificates.py)."""
     board_rows, rows, prey_rows = layout.board, layout.rows, layout.agent_rows["prey"]
-    solution = joint_solution.build(layout, types)
+    solution = joint_solution.build(types)
     meet = _meeting(layout, types, rules)
 
     @ti.func
@@ -41,7 +41,6 @@ def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> 
             for lane in range(LANES):
                 if board[base + JOINT_NEW][lane] > 0.5:
                     board[base + JOINT_NEW][lane] = 0.0
-                    solution.guess(board, base, lane, prey, b * count)
                     if solution.solve(board, base, lane) == 0:
                         solution.slacken(board, base, lane, count)
         for i in range(count):
