@@ -24,7 +24,7 @@ POINTS = {
     "coverage.cell": 0,
 }
 # All of them to one point, as fast as they may.
-CROWDING = {**POINTS, "prey.strategy": "baseline", "prey.cohesion": 30, "prey.perception": 10, "world.ticks": 1000}
+CROWDING = {**POINTS, "prey.strategy": "baseline", "prey.cohesion": 30, "prey.perception": 10, "world.ticks": 500}
 SIDE = 1.4
 
 
@@ -115,8 +115,8 @@ def test_shared_commands_are_those_next_to_the_given_ones(f64):
 @pytest.mark.parametrize("form", FORMS)
 def test_nobody_ever_comes_nearer_than_the_radius(form, f32):
     """A million ticks of trials of 2 to 20 robots who all press to one point."""
-    count = np.resize(np.arange(2, 21), 1000)
-    results = tiswarm.simulate(_safe(form, CROWDING), 1000, weights={"prey.count": count})
+    count = np.resize(np.arange(2, 21), 2000)
+    results = tiswarm.simulate(_safe(form, CROWDING), 2000, weights={"prey.count": count})
     assert results.ticks.sum() == 1_000_000
     assert results.measures["least-distance"].min() > RADIUS - 1e-6
     assert results.measures["least-distance"].max() < RADIUS + 0.1

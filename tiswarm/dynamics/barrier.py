@@ -23,7 +23,7 @@ NOWHERE = 1e30
 
 def tolerance(types: Types) -> float:
     """Give how much a bound may be exceeded without being seen, m²/s for pairs and m/s for walls; sums round to less."""
-    return 1e-7 if types.real == ti.f32 else 1e-12
+    return 1e-6 if types.real == ti.f32 else 1e-12
 
 
 @dataclass(frozen=True)
