@@ -32,7 +32,13 @@ def _cases() -> list[tuple[str, dict]]:
     ]
     avoidances = [("delft/avoidance-10", {"prey.avoidance": name}) for name in registry.names("avoidance")]
     hunters = [("delft/pronav-10", {"predators.strategy": name}) for name in ("centre", "pronav", "cluster")]
-    worlds = [("m20/hawk", {}), ("sanitation/arena", {}), ("sanitation/potential", {}), ("lookout/aquarium", {})]
+    worlds = [
+        ("m20/hawk", {}),
+        ("sanitation/arena", {}),
+        ("sanitation/arena-safe", {}),
+        ("sanitation/potential", {}),
+        ("lookout/aquarium", {}),
+    ]
     return [*strategies, *avoidances, *hunters, *worlds]
 
 

@@ -24,7 +24,8 @@ class KindSteps:
     limited: Func  # cap the speed; where there is a least speed, raise it to that
     drift: Func  # half a step with the old velocity
     face: Func  # let a unicycle that starts head where it moves, or along x when it stands
-    advance: Func  # write the next state down: p + v dt, or its second half under Verlet
+    advance: Func  # proceed; where certificates have a say first, write the command down
+    proceed: Func  # write the next state down: p + v dt, or its second half under Verlet
     commit: Func
 
 
@@ -107,7 +108,7 @@ def build(layout: ParameterTable) -> Steps:
             course[1] = speed * y
 
         @ti.func
-        def advance(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):
+        def proceed(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):
             """Write the next state down: p + v dt, or its second half under Verlet."""
             step = numbers[b * width + at.dt]
             if ti.static(frame.verlet):
@@ -117,6 +118,12 @@ def build(layout: ParameterTable) -> Steps:
             for k in ti.static(range(dim)):
                 agents[a + rows.next_motion[k]] = course[k]
                 agents[a + rows.next_place[k]] = place(me)[k] + course[k] * step
+
+        @ti.func
+        def command(agents: ti.template(), a, course: ti.template(), me: ti.template(), numbers: ti.template(), b):  # noqa: ARG001 - as its sister
+            """Write the command down."""
+            for k in ti.static(range(dim)):
+                agents[a + rows.next_motion[k]] = course[k]
 
         @ti.func
         def commit(agents: ti.template(), a, numbers: ti.template(), b):
@@ -143,6 +150,7 @@ def build(layout: ParameterTable) -> Steps:
                 agents[a + rows.place[k]] = ti.select(here, to[k], agents[a + rows.place[k]])
                 agents[a + rows.motion[k]] = rate[k]
 
-        return KindSteps(limited=limited, drift=drift, face=face, advance=advance, commit=commit)
+        advance = command if kind == "prey" and frame.safety else proceed
+        return KindSteps(limited=limited, drift=drift, face=face, advance=advance, proceed=proceed, commit=commit)
 
     return Steps(wall_turn=wall_turn, prey=kind_of("prey"), predators=kind_of("predators"))

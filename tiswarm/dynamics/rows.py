@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+from tiswarm.scenario.barrier import MOST_JOINT
 from tiswarm.scenario.measures import TRAPS
 
 # Values of an agent's fate, in the order of recording.FATES.
@@ -13,8 +14,19 @@ STAYS, ARRIVED, CAPTURED, CRASHED = range(4)
 # Rows of a block's whole numbers: the trial in each lane (as random numbers know it), its tick, and its place in the batch.
 TRIAL, TICK, JOB, INTEGER_ROWS = range(4)
 
+# Rows of the board on which a block's commands are corrected together: of an agent its point and velocity, the last one that of
+# a wall; of a lane how many constraints it has met, and whether any of them is new; and of each constraint what
+# joint_solution.py says.
+JOINT_AGENT, JOINT_CONSTRAINT = 4, 7
+JOINT_LENGTH = JOINT_AGENT * (MOST_JOINT + 1)
+JOINT_NEW = JOINT_LENGTH + 1
+JOINT_FIRST = JOINT_NEW + 1
+JOINT_ROWS = JOINT_FIRST + JOINT_CONSTRAINT * (MOST_JOINT * (MOST_JOINT - 1) // 2 + 4 * MOST_JOINT)
 
-def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool, listed: bool = False) -> SimpleNamespace:
+
+def agent_rows(
+    dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool, listed: bool = False, safe: bool = False
+) -> SimpleNamespace:
     """Lay out the rows of an agent in a block: where it is, what contact decided, what it saw, and its next state."""
     row = iter(range(100))
 
@@ -42,5 +54,6 @@ def agent_rows(dim: int, unicycles: bool, measures: tuple[str, ...], swept: bool
         label=next(row) if "groups" in measures else -1,
         trap=trap() if set(TRAPS) & set(measures) else None,
         plan=next(row) if listed else -1,  # the cell in which a prey's plan begins
+        corrected=next(row) if safe else -1,  # whether a certificate changed the last command
         count=next(row),
     )

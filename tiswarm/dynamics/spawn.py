@@ -8,12 +8,13 @@ from tiswarm.dynamics.rows import STAYS, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import FAR
 from tiswarm.simd import philox
-from tiswarm.simd.lanes import capped, dot, larger
+from tiswarm.simd.lanes import anywhere, capped, dot, larger, smaller
 from tiswarm.simd.runtime import Func, Types
+from tiswarm.space import box, box_lanes
 
 TRIES = 32
 """Draws until a place is inside a ball or clear of others. One ball in 10¹⁰ needs more, and takes its centre; an obstacle that
-finds no clear place in so many is left out."""
+finds no clear place in so many is left out, an agent that finds none apart from the others takes the farthest."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,7 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
     columns, own_rows = getattr(layout.at, kind), layout.agent_rows[kind]
     group = 0 if kind == "prey" else 1
     purpose = (philox.PREY, philox.PREDATORS)[group]
+    cleared = [*rows.travel, *([rows.corrected] if frame.safety else [])]
 
     @ti.func
     def ball_shares(key_low, key_high, trial, index):
@@ -124,11 +126,43 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
         return here + velocity
 
     @ti.func
+    def least_distance2(place: ti.template(), agents: ti.template(), b, count, i, numbers: ti.template()):
+        """Give the squared distance of a place to the nearest of the agents before the i-th."""
+        least = lanes(FAR)
+        for j in range(i):
+            off = [place[k] - agents[(b * count + j) * own_rows + rows.place[k]] for k in ti.static(range(dim))]
+            if ti.static(box.wraps(frame.boundary)):
+                for k in ti.static(range(dim)):
+                    off[k] = box_lanes.displacement(off[k], numbers[b * width + layout.at.size[k]])
+            least = smaller(least, dot(off, off))
+        return least
+
+    @ti.func
+    def keep_apart(
+        state: ti.template(), agents: ti.template(), b, count, i, numbers: ti.template(), fresh, trial, key_low, key_high
+    ):
+        """Draw the place of agent i anew until it is far enough from those before it; failing that, take the farthest."""
+        apart = numbers[b * width + columns.apart]
+        nearest2 = least_distance2(state, agents, b, count, i, numbers)
+        attempt = 1
+        while attempt < TRIES and anywhere(fresh & (nearest2 < apart * apart)):
+            share, _ = draw_shares(key_low, key_high, trial, purpose, integers(ti.cast(i, ti.u32)), attempt)
+            other = within(share, columns.region, numbers, b)
+            other2 = least_distance2(other, agents, b, count, i, numbers)
+            better = (nearest2 < apart * apart) & (other2 > nearest2)
+            for k in ti.static(range(dim)):
+                state[k] = ti.select(better, other[k], state[k])
+            nearest2 = ti.select(better, other2, nearest2)
+            attempt += 1
+
+    @ti.func
     def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
         n = b * width
         for i in range(count):
             a = (b * count + i) * own_rows
             state = drawn(integers(ti.cast(i, ti.u32)), numbers, b, trial, key_low, key_high)
+            if ti.static(kind in frame.apart):
+                keep_apart(state, agents, b, count, i, numbers, fresh, trial, key_low, key_high)
             for k in ti.static(range(dim)):
                 store(agents, a + rows.place[k], fresh, state[k])
                 store(agents, a + rows.motion[k], fresh, state[dim + k])
@@ -137,7 +171,7 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
             store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
             store(agents, a + rows.seen, fresh, lanes(0.0))
             store(agents, a + rows.hit, fresh, lanes(0.0))
-            for row in ti.static(rows.travel):
+            for row in ti.static(cleared):
                 store(agents, a + row, fresh, lanes(0.0))
             for row in range(rows.count, own_rows):  # the strategies' memory
                 store(agents, a + row, fresh, lanes(0.0))

@@ -40,7 +40,8 @@ class WorldKind:
 
     unicycles, slow: which kinds of agents are driven so, and which have a least speed; narrow, choosy: which do not see behind
     them, and which heed the nearest mates alone; cells: of the coverage grid, (0, 0) without one. plan: how prey use planned
-    ways, nothing where they go straight; plan_cells: of the ways' grid.
+    ways, nothing where they go straight; plan_cells: of the ways' grid. safety: the form of the prey's certificates, nothing
+    without; apart: which kinds of agents keep a distance at the start.
     """
 
     dim: int
@@ -63,6 +64,8 @@ class WorldKind:
     cells: tuple[int, int]
     plan: str
     plan_cells: tuple[int, int]
+    safety: str
+    apart: tuple[str, ...]
 
     @classmethod
     def of(cls, scenario: Scenario) -> "WorldKind":
@@ -91,6 +94,8 @@ class WorldKind:
             cells=(int(np.ceil(world.size[0] / cell)), int(np.ceil(world.size[1] / cell))) if cell else (0, 0),
             plan=planning.plan if planned else "",
             plan_cells=planning.cells(world.size) if planned else (0, 0),
+            safety=scenario.barrier.form if scenario.prey.safety == "barrier" else "",
+            apart=tuple(kind for kind, each in agents.items() if each.spawn.apart > 0),
         )
 
 

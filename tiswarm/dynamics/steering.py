@@ -24,6 +24,7 @@ class Steering:
     predators: Func
     memories: Memories
     plan: Func  # find ways to the target for trials that begin (planning.py)
+    note: Func  # write down the velocity behind a term, where terms are noted
     steps: Steps
 
 
@@ -287,5 +288,6 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         predators=obeying.get("predators", drive_predator),
         memories=kept,
         plan=goals.plan,
+        note=note,
         steps=steps,
     )

@@ -9,7 +9,7 @@ import numpy as np
 import taichi as ti
 
 from tiswarm.dynamics import network_columns, terms
-from tiswarm.dynamics.rows import agent_rows
+from tiswarm.dynamics.rows import JOINT_ROWS, agent_rows
 from tiswarm.dynamics.specialisation import Part, Specialisation
 from tiswarm.scenario.model import Scenario
 from tiswarm.strategies import registry
@@ -25,10 +25,11 @@ class ParameterTable:
 
     at: nested names -> column, as kernels use them (at.prey.perception); rows: of an agent, which begin with those that all
     have; filled_rows: kind -> how many with the strategies' memory; agent_rows: the same, or one more that nobody uses;
-    obstacle_rows: centre and radius; plan: rows of the board on which ways are found; board: rows of that and of what
-    predators' surveys write, fixed ones and for each prey; courses: kind -> term -> rows of the velocity behind it, in a move's
-    order, where terms are noted; commands: kind -> rows of what agents that obey are told; parts(kind, role): what kernels loop
-    over, each with its class (strategy), the hooks it has of its own (own), and its structs.
+    obstacle_rows: centre and radius; plan: rows of the board on which ways are found; joint: the first of those on which
+    commands are corrected together; board: rows of these and of what predators' surveys write, fixed ones and for each prey;
+    courses: kind -> term -> rows of the velocity behind it, in a move's order, where terms are noted; commands: kind -> rows
+    of what agents that obey are told; parts(kind, role): what kernels loop over, each with its class (strategy), the hooks it
+    has of its own (own), and its structs.
     """
 
     def __init__(self, structure: Specialisation, lanes: Any) -> None:
@@ -36,7 +37,9 @@ class ParameterTable:
         self.paths: list[str] = []
         self.axes = range(structure.frame.dim)
         frame = structure.frame
-        self.rows = agent_rows(frame.dim, bool(frame.unicycles), frame.measures, frame.swept, frame.plan == "list")
+        self.rows = agent_rows(
+            frame.dim, bool(frame.unicycles), frame.measures, frame.swept, frame.plan == "list", bool(frame.safety)
+        )
         self.obstacle_rows = structure.frame.dim + 1
         self.at = SimpleNamespace(
             dt=self._column("world.dt"),
@@ -61,6 +64,7 @@ class ParameterTable:
             names += ["field_of_view"] if kind in frame.narrow else []
             names += ["nearest"] if kind in frame.choosy else []
             columns = {name: self._column(f"{kind}.{name}") for name in names}
+            columns |= {"apart": self._column(f"{kind}.spawn.apart")} if kind in frame.apart else {}
             columns |= {"view": self._column(f"{kind}:view")} if kind in frame.narrow else {}  # of that field, its least cosine
             spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
             period = {f"period_{'xyz'[k]}": self.at.size[k] for k in self.axes}
@@ -70,7 +74,11 @@ class ParameterTable:
         self._parts: list[SimpleNamespace] = []
         self.agent_rows = {"prey": self.rows.count, "predators": self.rows.count}
         self.plan = self._plan(*frame.plan_cells)
-        self.board = SimpleNamespace(fixed=3 * self.plan.cells, each=0)
+        if frame.safety:
+            keys = ("radius", "gain", "wall_share")
+            self.at.barrier = SimpleNamespace(**{key: self._column(f"barrier.{key}") for key in keys})
+        self.joint = 3 * self.plan.cells
+        self.board = SimpleNamespace(fixed=self.joint + (JOINT_ROWS if frame.safety == "joint" else 0), each=0)
         for part in structure.parts:
             self._add(part, lanes)
         self.courses: dict[str, dict[str, list[int]]] = {kind: {} for kind in self.agent_rows}

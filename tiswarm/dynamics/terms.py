@@ -21,4 +21,5 @@ def names(layout: Any, kind: str) -> list[str]:
         "cap",
         *(("deflection",) if layout.parts(kind, "avoidance", "deflect") else ()),
         *(("kick",) if kicks else ()),
+        *(("barrier",) if prey and frame.safety else ()),
     ]

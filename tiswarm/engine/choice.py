@@ -91,6 +91,9 @@ def _refused(scenario: Scenario) -> str:
     refused = {
         "world.contact": world.contact == "bounce",
         "prey.goal_by": prey.goal_by == "path",
+        "prey.safety": prey.safety == "barrier",
+        "prey.spawn.apart": prey.spawn.apart > 0,
+        "predators.spawn.apart": predators.count > 0 and predators.spawn.apart > 0,
         "world.wrap_sight": box.wraps(world.boundary) and not world.wrap_sight,
         "prey.strategy": any(registry.load("prey", name).networked for name in registry.parts("prey", prey.strategy)),
         "predators.strategy": any(registry.load("predators", name).networked for name in hunters)

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
 from tiswarm.measures.ground import free_cells, variation
 from tiswarm.records.recording import Recording
-from tiswarm.scenario.measures import MEASURED, SETTLED
+from tiswarm.scenario.measures import CHANGED, MEASURED, SETTLED, STILL
 from tiswarm.space import box
 from tiswarm.system.words import did_you_mean
 
@@ -90,6 +90,41 @@ def nearest(recording: Recording) -> np.ndarray:
     """Give the mean distance to the nearest neighbour: [tick], m, NaN where fewer than two prey are alive."""
     distances = neighbour_distances(recording)
     return _mean(np.nansum(distances, axis=1), np.isfinite(distances))
+
+
+def least_distance(recording: Recording) -> np.ndarray:
+    """Give the least distance of any two prey: [tick], m, NaN where fewer than two are alive."""
+    distances = neighbour_distances(recording)
+    least = np.where(np.isfinite(distances), distances, np.inf).min(axis=1)
+    return np.where(np.isfinite(least), least, np.nan)
+
+
+def stalled(recording: Recording) -> np.ndarray:
+    """Tell where all alive prey stand still and none has arrived yet: [tick], 1 or 0, NaN where nobody is alive.
+
+    Who stands still is slower than a hundredth of prey.max_speed.
+    """
+    alive, _, velocity = _alive(recording)
+    still = ((velocity**2).sum(axis=-1) < (STILL * recording.scenario.prey.max_speed) ** 2).all(axis=1)
+    home = ((recording.prey.fate == "arrived") & ~alive).any(axis=1)
+    return np.where(alive.any(axis=1), still & ~home, np.nan)
+
+
+def corrected(recording: Recording) -> np.ndarray:
+    """Give the share of alive prey whose command a certificate changed in the move before: [tick], NaN where nobody is alive.
+
+    A change is more than a millionth of prey.max_speed; there is none before the first move, nor without prey.safety.
+    Errors: ValueError for a recording without terms, which does not know commands.
+    """
+    prey = recording.prey
+    changed = np.zeros(prey.alive.shape, bool)
+    if recording.scenario.prey.safety != "none":
+        if not prey.terms:
+            raise ValueError("corrected: a recording without terms knows no commands; record with terms=True")
+        if "barrier" in prey.terms:
+            change = np.linalg.norm(np.nan_to_num(prey.terms["barrier"][:-1]), axis=-1)
+            changed[1:] = change > CHANGED * recording.scenario.prey.max_speed
+    return _mean((changed & prey.alive).sum(axis=1), prey.alive)
 
 
 def groups(recording: Recording, distance: float | None = None) -> np.ndarray:
@@ -211,8 +246,13 @@ MEANS: dict[str, Callable[[Recording], np.ndarray]] = {
     "speed": speed,
     "kinetic": kinetic,
     "potential": potential,
+    "stalled": stalled,
+    "corrected": corrected,
 }
 """Measures that a trial has as a mean over its states from measures.after on."""
+
+LEAST: dict[str, Callable[[Recording], np.ndarray]] = {"least-distance": least_distance}
+"""Measures of which a trial has the least over these states."""
 
 LAST: dict[str, Callable[[Recording], np.ndarray]] = {
     "hits": hits,
@@ -244,9 +284,11 @@ def measured(recording: Recording, name: str) -> float:
         return float("nan") if early else float(LAST[name](recording)[-1])
     if name in WHOLE:
         return WHOLE[name](recording, after)
-    values = MEANS[name](recording)[after:]
+    values = (MEANS | LEAST)[name](recording)[after:]
     values = values[np.isfinite(values)]
-    return float(values.mean()) if len(values) else float("nan")
+    if not len(values):
+        return float("nan")
+    return float(values.min() if name in LEAST else values.mean())
 
 
 def _alive(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

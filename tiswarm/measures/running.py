@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics.rows import AGE, DONE, MEASURED, ON
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.measures import coverage, formulas, traps
+from tiswarm.measures import coverage, formulas, standing, traps
 from tiswarm.measures import tally as tallies
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.measures.tally import Tally
@@ -85,11 +85,13 @@ def _pairs(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> Fu
 
     @ti.func
     def measure_pairs(sums: ti.template(), prey: ti.template(), numbers: ti.template(), b, count, counted):
-        """Mean distance to the nearest neighbour and by how much it was greater before, and potential energy."""
+        """Mean distance to the nearest neighbour and by how much it was greater before, the least of all, potential energy."""
         n = b * width
         spacing2 = numbers[n + at.prey.spacing] * numbers[n + at.prey.spacing]
         reach2 = numbers[n + at.prey.perception] * numbers[n + at.prey.perception]
         alive, nearest, potential = lanes(0.0), lanes(0.0), lanes(0.0)
+        closest = lanes(1e30)
+        closest = lanes(1e30)
         for i in range(count):
             me = prey_mate(prey, (b * count + i) * prey_rows, i)
             least = lanes(1e30)
@@ -103,10 +105,14 @@ def _pairs(layout: ParameterTable, types: Types, see: Views, tally: Tally) -> Fu
                         potential += 0.5 * me.alive * mate.alive * formulas.pair_energy(distance2, reach2, spacing2)
             alive += me.alive
             nearest += me.alive * ti.sqrt(least)
+            closest = ti.select(me.alive > 0.5, smaller(closest, least), closest)
+            closest = ti.select(me.alive > 0.5, smaller(closest, least), closest)
         pairs = counted & (alive > 1.5)
         for k in ti.static(range(len(names))):
             if ti.static(names[k] == "nearest"):
                 tally.add(sums, b, k, pairs, nearest / larger(alive, 1.0))
+            if ti.static(names[k] == "least-distance"):
+                tally.keep_least(sums, b, k, pairs, ti.sqrt(closest))
             if ti.static(names[k] == "overshoot"):
                 apart = nearest / larger(alive, 1.0)
                 tally.keep(sums, b, k, pairs, tally.peak(sums, b, k, pairs, apart) / safe(apart) - 1.0)
@@ -182,11 +188,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
     names = layout.structure.frame.measures
     across, down = layout.structure.frame.cells
     cells = across * down
-    pair_names = {"nearest", "overshoot", "potential"} & set(names)
+    pair_names = {"nearest", "least-distance", "overshoot", "potential"} & set(names)
+    stands = bool({"stalled", "corrected"} & set(names))
     trapping = bool(set(TRAPS) & set(names))
     tally = tallies.build(layout)
     ground_of = coverage.build(layout, types, see, tally)
     measure_motion, measure_pairs, measure_groups = (each(layout, types, see, tally) for each in (_motion, _pairs, _groups))
+    measure_standing = standing.build(layout, types, see, tally)
     measure_traps = _traps(layout, types, see, tally) if trapping else None
 
     @ti.func
@@ -209,6 +217,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> Measures:
                     measure_motion(sums, prey, numbers, clock, b, counts[0], counted)
                     if ti.static(bool(pair_names)):
                         measure_pairs(sums, prey, numbers, b, counts[0], counted)
+                    if ti.static(stands):
+                        measure_standing(sums, prey, numbers, clock, b, counts[0], counted)
                     if ti.static("groups" in names):
                         measure_groups(sums, prey, numbers, b, counts[0], counted)
                 if ti.static(trapping):

@@ -21,6 +21,7 @@ class Tally:
     height: int
     add: Func  # add a state's value of measure k where it is counted, a mask
     keep: Func  # put a value there in place of what was
+    keep_least: Func  # put a value there where it is less than what was, or the first
     peak: Func  # give the greatest value of measure k so far, a state's value included where it is counted
 
 
@@ -44,9 +45,14 @@ def build(layout: ParameterTable) -> Tally:
         sums[s + 1] = ti.select(counted, 1.0, sums[s + 1])
 
     @ti.func
+    def keep_least(sums: ti.template(), b, k: ti.template(), counted, value):
+        s = b * height + 2 * k
+        keep(sums, b, k, counted & ((sums[s + 1] < 0.5) | (value < sums[s])), value)
+
+    @ti.func
     def peak(sums: ti.template(), b, k: ti.template(), counted, value):
         s = b * height + first + ti.static(peaked.index(names[k]))
         sums[s] = ti.select(counted, larger(sums[s], value), sums[s])
         return sums[s]
 
-    return Tally(height=height, add=add, keep=keep, peak=peak)
+    return Tally(height=height, add=add, keep=keep, keep_least=keep_least, peak=peak)

@@ -40,6 +40,7 @@ class Spawn(Part):
     velocity: Box = Box(low=(0.0, 0.0), high=(1.0, 1.0))  # m/s, how fast
     shape: Literal["box", "ball"] = "box"  # ball: in the largest ellipsoid inside the region
     capped: bool = False  # whether max_speed holds from the start
+    apart: NotNegative = 0.0  # m, the least distance of two at the start, where so many find room
 
 
 class Agents(Part):
@@ -109,6 +110,7 @@ class Prey(Agents):
     avoidance: Avoidance = "none"
     # What `goal` weighs: the whole straight way to the target [1/s a tick], or a planned way's direction [m/s a tick].
     goal_by: Literal["line", "path"] = "line"
+    safety: Literal["none", "barrier"] = "none"  # barrier: commands are corrected so that nobody comes too near another
     radius: NotNegative = 0.5
     perception: NotNegative = 30.0
     spawn: Spawn = Spawn(region=Box(low=(80.0, 30.0), high=(88.0, 38.0)))

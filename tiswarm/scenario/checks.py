@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tiswarm.scenario.barrier import MOST_JOINT
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import SWEPT
 from tiswarm.space import box
@@ -35,6 +36,8 @@ def check(scenario: "Scenario") -> None:
         _check_most(kind, agents)
         if agents.drive == "unicycle" and dim != 2:
             raise ScenarioError(f"{kind}.drive: a unicycle needs a flat world, world.size has {dim} numbers; use 'point'")
+        if agents.spawn.apart and agents.spawn.shape == "ball":
+            raise ScenarioError(f"{kind}.spawn.apart: works for shape = 'box' only; set it to 0, or use that")
         if agents.min_speed > agents.max_speed:
             raise ScenarioError(f"{kind}.min_speed: {agents.min_speed:g} is above max_speed, {agents.max_speed:g}")
         _check_step(kind, agents, scenario.world.dt)
@@ -46,6 +49,7 @@ def check(scenario: "Scenario") -> None:
         scenario.network(kind)
     _check_target(scenario)
     _check_planning(scenario)
+    _check_barrier(scenario)
     _check_measures(scenario)
 
 
@@ -88,6 +92,29 @@ def _check_planning(scenario: "Scenario") -> None:
     across, up = scenario.planning.cells(world.size)
     if across * up > MOST_PLANNED:
         raise ScenarioError(f"planning.cell: {scenario.planning.cell:g} gives {across * up:,} cells; use a larger one")
+
+
+def _check_barrier(scenario: "Scenario") -> None:
+    """Refuse certificates where they would not hold."""
+    world, prey, barrier, mend = scenario.world, scenario.prey, scenario.barrier, "set it to 'none'"
+    if prey.safety == "none":
+        return
+    if world.dim != 2:
+        raise ScenarioError(f"prey.safety: 'barrier' needs a flat world, world.size has {world.dim} numbers; {mend}")
+    if box.rounded(world.boundary):
+        raise ScenarioError(f"prey.safety: 'barrier' knows no edge that mirrors; use another world.boundary, or {mend}")
+    if box.wraps(world.boundary) and not world.wrap_sight:
+        raise ScenarioError(f"prey.safety: 'barrier' must see across a periodic edge; set world.wrap_sight, or {mend}")
+    if world.scheme == "verlet":
+        raise ScenarioError(
+            f"prey.safety: 'barrier' bounds velocities, 'verlet' steps by two; use world.scheme 'euler', or {mend}"
+        )
+    if world.boundary != "open" and 2 * barrier.radius >= min(world.size):
+        told = f"{barrier.radius:g} is half of world.size, {list(world.size)}, or more"
+        raise ScenarioError(f"barrier.radius: {told}; lower it, or enlarge the world")
+    if barrier.form == "joint" and prey.count > MOST_JOINT:
+        told = f"'joint' works for {MOST_JOINT} prey at most, not for {prey.count:,}"
+        raise ScenarioError(f"barrier.form: {told}; use 'shared', or fewer")
 
 
 def _check_edges(kind: registry.Kind, agents: "Agents", boundary: str) -> None:

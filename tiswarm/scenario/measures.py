@@ -9,6 +9,7 @@ Measure = Literal[
     "polarisation", "milling", "nearest", "groups", "speed", "kinetic", "potential", "hits", "coverage", "visit-variation",
     "time-to-50", "time-to-90", "time-to-95", "time-to-99", "trapped", "trapped-time", "trapped-milling",
     "settling-time", "overshoot",
+    "least-distance", "stalled", "corrected",
 ]  # fmt: skip
 """What is measured on request (`measures.names`); measures/recorded.py and measures/deadlocks.py define each."""
 
@@ -31,3 +32,9 @@ SWEPT = ("coverage", "visit-variation", *COVERED)
 
 TRAPS = ("trapped", "trapped-time", "trapped-milling")
 """Measures of who moves without getting anywhere."""
+
+STILL = 0.01
+"""Who is slower than this, in speed limits, stands still (measure "stalled")."""
+
+CHANGED = 1e-6
+"""A command is corrected if it is changed by more than this, in speed limits (measure "corrected")."""

@@ -9,6 +9,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from tiswarm.scenario import checks, network
 from tiswarm.scenario.agents import Predators, Prey, with_weights
+from tiswarm.scenario.barrier import Barrier
 from tiswarm.scenario.errors import ScenarioError, explained
 from tiswarm.scenario.measures import Measure, Shown
 from tiswarm.scenario.overrides import overridden
@@ -147,6 +148,7 @@ class Scenario(Part):
     prey: Prey = Prey()
     predators: Predators = Predators()
     planning: Planning = Planning()
+    barrier: Barrier = Barrier()
     coverage: Coverage = Coverage()
     measures: Measures = Measures()
     rewards: Rewards = Rewards()

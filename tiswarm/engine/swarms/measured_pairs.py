@@ -13,7 +13,7 @@ import taichi as ti
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas
-from tiswarm.simd.lanes import Bundle, anywhere, dot, place, smaller
+from tiswarm.simd.lanes import Bundle, anywhere, dot, larger, place, safe, smaller
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 from tiswarm.space.box_lanes import displacement
 from tiswarm.space.cell_list import CellFuncs
@@ -31,7 +31,8 @@ NO_LABEL = 2**31 - 1
 def build_pairs(layout: ParameterTable, types: Types, near: CellFuncs, pieces: Callable[..., Any]):
     """Build the kernel that sums up distances to nearest neighbours, and energies of pairs beside those at perception.
 
-    A column each. Both come from one walk through the cells; who has met nobody near enough looks for the nearest further on.
+    A column each, and a third with the largest inverse of a distance. All come from one walk through the cells; who has met
+    nobody near enough looks for the nearest further on.
     """
     lanes, real, dim = types.lanes, types.real, len(layout.axes)
     energetic = "potential" in layout.structure.frame.measures
@@ -120,8 +121,9 @@ def build_pairs(layout: ParameterTable, types: Types, near: CellFuncs, pieces: C
         look_wider(view, p, here, block, end)
         own[0] += body.alive * ti.sqrt(least[0])
         own[1] += 0.5 * body.alive * energy[0]
+        own[2] = larger(own[2], body.alive / ti.sqrt(safe(least[0])))
 
-    return pieces(2, add_pairs)
+    return pieces(3, add_pairs)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from tiswarm.engine.swarms import initial, measured_agents, measured_pairs, tran
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.measures.formulas import AHEAD, COUNT, ENERGY, SPEED
 from tiswarm.measures.ground import free_cells, variation
-from tiswarm.scenario.measures import COVERED, PEAKS, SETTLED, SWEPT, TRAPS
+from tiswarm.scenario.measures import COVERED, PEAKS, SETTLED, STILL, SWEPT, TRAPS
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime
 from tiswarm.simd.lanes import TINY
@@ -26,7 +26,7 @@ from tiswarm.simd.runtime import LANES, Func
 from tiswarm.space.cell_list import Grid
 
 MOTION = {"polarisation", "milling", "speed", "settling-time", "kinetic"}
-PAIRS = {"nearest", "overshoot", "potential"}
+PAIRS = {"nearest", "least-distance", "overshoot", "potential"}
 
 _built: dict[tuple[Any, ...], dict[str, Func]] = {}
 
@@ -47,11 +47,12 @@ class Measures:
         pieces = -(-swarm.grid.slots // LANES // measured_agents.PIECE)
         self._sums = {
             name: runtime.aligned((trials * pieces * columns, LANES), types.dtype)
-            for name, columns in (("motion", AHEAD + 2 * dim), ("spin", 3), ("pairs", 2))
+            for name, columns in (("motion", AHEAD + 2 * dim), ("spin", 3), ("pairs", 3))
         }
         self._centres = np.zeros(trials * dim, types.dtype)
         # Of measures that are means: sum and number of states.
         self._totals: dict[str, np.ndarray] = {name: np.zeros((2, trials)) for name in scenario.measures.names}
+        self._least = np.full(trials, np.inf)
         self._peaks = {name: np.zeros(trials) for name in PEAKS}
         self._changed = np.zeros(1, np.int32)
         self._slots = np.arange(swarm.grid.total, dtype=np.int32)
@@ -75,6 +76,8 @@ class Measures:
                 self._take_motion()
             if names & PAIRS:
                 self._take_pairs()
+            if names & {"stalled", "corrected"}:
+                self._take_standing()
             if "groups" in names:
                 self._take_groups()
         grid = self._swarm.grid
@@ -105,6 +108,8 @@ class Measures:
             ran = np.where(self._swarm.ended, self._swarm.ended_at, self._swarm.age)
             late = ran >= min(self._scenario.measures.after, self._swarm.ticks)
             return np.where(late, self._swarm.hits, np.nan)
+        if name == "least-distance":
+            return np.where(np.isfinite(self._least), self._least, np.nan)
         total, states = self._totals[name]
         return np.divide(total, states, out=np.full(len(total), np.nan), where=states > 0)
 
@@ -137,7 +142,10 @@ class Measures:
 
     def _take_pairs(self) -> None:
         prey, count = self._scenario.prey, self._swarm.grid.alive()
-        nearest, energy = self._summed("pairs").T
+        pieces = self._pieces("pairs")
+        nearest, energy = pieces[:, :, :2].sum(axis=(1, 3)).T
+        with np.errstate(divide="ignore"):  # nobody is at an infinite distance
+            self._least = np.where(count > 1, np.minimum(self._least, 1 / pieces[:, :, 2].max(axis=(1, 2))), self._least)
         apart = nearest / np.maximum(count, 1)
         self._add("nearest", apart, count > 1)
         self._keep("overshoot", self._peak("overshoot", apart, count > 1) / np.maximum(apart, TINY) - 1.0, count > 1)
@@ -146,6 +154,14 @@ class Measures:
             rim = max(prey.perception**2, TINY) / spacing2  # all pairs have the energy of those at perception, and more
             rest = prey.spacing**2 * (1 / rim + np.log(rim))
             self._add("potential", energy + 0.5 * count * (count - 1) * rest, count > 0)
+
+    def _take_standing(self) -> None:
+        velocity, alive = self._swarm.velocity(), self._swarm.grid.alive()
+        fastest2 = np.nan_to_num((velocity**2).sum(axis=-1)).max(axis=1)
+        home = (self._swarm.fate() == "arrived").any(axis=1)
+        still = fastest2 < (STILL * self._scenario.prey.max_speed) ** 2
+        self._add("stalled", still & ~home, alive > 0)
+        self._add("corrected", np.zeros(len(alive)), alive > 0)
 
     def _take_groups(self) -> None:
         grid, search = self._swarm.grid, self._search
@@ -203,10 +219,14 @@ class Measures:
 
     def _summed(self, name: str) -> np.ndarray:
         """Sum up over the prey of each trial, in one order: [trial, column]."""
+        return self._pieces(name).sum(axis=(1, 3))
+
+    def _pieces(self, name: str) -> np.ndarray:
+        """Give the sums of each trial's pieces: [trial, piece, column, lane]."""
         grid, sums = self._swarm.grid, self._sums[name]
         self._launch(name, grid.agents, grid.whole, grid.reals, self._numbers, self._centres, sums)
-        columns = {"motion": AHEAD + 2 * self._scenario.world.dim, "spin": 3, "pairs": 2}[name]
-        return sums.reshape(grid.trials, -1, columns, LANES).astype(np.float64).sum(axis=(1, 3))
+        columns = {"motion": AHEAD + 2 * self._scenario.world.dim, "spin": 3, "pairs": 3}[name]
+        return sums.reshape(grid.trials, -1, columns, LANES).astype(np.float64)
 
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         if name not in self._ready:

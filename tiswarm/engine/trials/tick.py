@@ -8,7 +8,7 @@ from tiswarm.dynamics import perception, steering
 from tiswarm.dynamics.rows import AGE, TICK, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.engine.trials import mates
+from tiswarm.engine.trials import certificates, mates
 from tiswarm.simd.lanes import Bundle, anywhere, row_of
 from tiswarm.simd.runtime import Func, Types
 
@@ -35,6 +35,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)
     steps, plan = driven.steps, driven.plan
+    certify = certificates.build(layout, types)
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
     surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
@@ -73,6 +74,13 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             driven.memories.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
 
     @ti.func
+    def proceed(prey: ti.template(), a, i, limits: ti.template(), numbers: ti.template(), b):
+        """Let a prey go as its certificate allows."""
+        course = [1.0 * prey[a + row] for row in ti.static(rows.next_motion)]
+        driven.note(prey, a, "prey", "barrier", course)
+        steps.prey.proceed(prey, a, course, prey_at(prey, a, i, limits), numbers, b)
+
+    @ti.func
     def move_prey(block: ti.template()):
         """Move all prey (steering.py)."""
         b, counts = block.b, block.counts
@@ -98,6 +106,10 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
             here = looker(block, i)
             draw = draw_of(block, i)
             driven.prey(here, draw, prey, a, me, numbers, b, swarm, target)
+        if ti.static(bool(frame.safety)):
+            certify(block)
+            for i in range(counts[0]):
+                proceed(prey, row_of(b * counts[0] + i, prey_rows), i, limits, numbers, b)
         for i in range(counts[0]):
             steps.prey.commit(prey, row_of(b * counts[0] + i, prey_rows), numbers, b)
         if ti.static(frame.contact == "bounce"):
