@@ -18,10 +18,11 @@ from render.raster.shapes import NONE, WINDOW
 from render.scene import background, lettering
 from render.scene.background import Field
 from render.scene.camera import Camera, Orbit, joint
+from render.scene.orbits import roamed
 from render.scene.rigs import Rig, View, apparent, bounds, heights, rig
 from render.scene.scene import Scene
 from render.scene.turned import gains, turned, turned_field
-from render.source import Live
+from render.source import Live, is_endless
 from render.story import CLOSING, OPENING
 from render.style import Look
 from render.timeline import Rate, length, times
@@ -192,7 +193,8 @@ class Composition:
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             window = len(self.boxes) + n
             images = self._images(subject, held, time, self._windows[window])
-            endless = not isinstance(images[0], Orbit) and subject.scenario.world.boundary == "open"
+            deep = isinstance(images[0], Orbit)
+            endless = is_endless(subject) if deep else not box.bounded(subject.scenario.world.boundary)
             seen = self._windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
             grounds.append(background.ground(subject, self.look.colours, unit, images, seen, self._field))
@@ -247,7 +249,8 @@ class Composition:
         worlds = [Box(0, 0, *_extent(subject)) for subject in subjects]
         floors, tops = zip(*(heights(subject) for subject in subjects), strict=True)
         reached = [bounds(self.scene.paths, n, stray) for n in range(len(subjects))]
-        return View(_around(worlds), _around(reached), min(floors), max(tops))
+        along = roamed(subjects) if self.look.camera == "fit" else 0.0
+        return View(_around(worlds), _around(reached), min(floors), max(tops), along)
 
 
 def _extent(subject: Recording | Live) -> tuple[float, float]:

@@ -91,3 +91,8 @@ def is_sky(subject: Recording | Live) -> bool:
     world = subject.scenario.world
     bare = not target_of(subject) and not len(subject.obstacle_radius) and not world.areas
     return bool(bare and not box.solid(world.boundary))
+
+
+def is_endless(subject: Recording | Live) -> bool:
+    """Tell whether a world has neither a ground nor an edge that anybody would meet."""
+    return is_sky(subject) and not box.bounded(subject.scenario.world.boundary)

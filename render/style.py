@@ -41,8 +41,9 @@ class Look:
     theme: "dark", "light", "print", or a Theme.
     speed: ticks per second of film.
     trail: how long trails last [s of film]; 0 draws none.
-    camera: "fit" (the world and all that moves), "follow" (the prey's centre), "follow:3" (agent 3, prey first),
-        "orbit" (around the world; what 3-D recordings have for "fit"), or a box ((x0, y0), (x1, y1)) [m].
+    camera: "fit" (the world and all that moves; it goes with prey that leave an open world for good), "follow" (the prey's
+        centre), "follow:3" (agent 3, prey first), "orbit" (around the world; what 3-D recordings have for "fit"), or a box
+        ((x0, y0), (x1, y1)) [m].
     overlay: any of OVERLAYS.
     label: numbers of agents, prey first, that are written beside them.
     slow: slow motion around captures.

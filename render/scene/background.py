@@ -7,6 +7,7 @@ import numpy as np
 
 from render.raster.shapes import NONE, boxes, capsules, colour, discs, mixed, quads, rings
 from render.scene.camera import Camera, Orbit
+from render.scene.depths import depths
 from render.scene.lettering import hue_of
 from render.scene.rigs import heights
 from render.source import Live, is_sky, target_of
@@ -43,10 +44,10 @@ def ground(
     """Draw floor, grid, areas, edge, target and obstacles. unit: pixels per unit of type.
 
     cameras: one, or one for each image of a periodic world. window: x0, y0, x1, y1 [px], which a floor without an end fills:
-    that of an open world, or of a periodic one with its images.
+    that of an open world, or of a periodic one with its images; in space, that of one without a ground.
     """
     if isinstance(cameras[0], Orbit):
-        return _room(subject, theme, unit, cameras[0])
+        return _room(subject, theme, unit, cameras[0]) if window is None else depths(theme, unit, cameras[0], window)
     world, target = subject.scenario.world, target_of(subject)
     low, high = _corners((0, 0), world.size[:2], cameras[0]) if window is None else (window[:2], window[2:])
     rows = _floor(subject, theme, unit, low, high, framed=window is None)
@@ -156,6 +157,8 @@ def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -
     (width, height), (bottom, top) = size[:2], heights(subject)
     corners = np.array([[x, y, z] for x in (0, width) for y in (0, height) for z in (bottom, top)], float)
     pairs = [(a, b) for a in range(8) for b in range(a) if (a ^ b) in (1, 2, 4)]
+    if top > bottom and not box.bounded(subject.scenario.world.boundary):
+        pairs = [(a, b) for a, b in pairs if not (a | b) & 1]  # only around the floor: nothing stops who goes on in the air
     spots, near = camera.place(corners), camera.nearness(corners)
     a, b = (np.array(ends) for ends in zip(*pairs, strict=True))
     if box.rounded(subject.scenario.world.boundary):

@@ -10,8 +10,8 @@ import numpy as np
 class Camera:
     """A flat map from metres, y upwards, to pixels, y downwards.
 
-    centre: the point [m] shown at `middle` [px]; scale: px/m. A joint camera has a centre and a middle for each agent,
-    [agent, 2], and maps points of all agents, [..., agent, dim].
+    centre: the point [dim], m, shown at `middle` [px]; scale: px/m. A joint camera has a centre and a middle for each agent,
+    [agent, dim] and [agent, 2], and maps points of all agents, [..., agent, dim].
     """
 
     centre: np.ndarray
@@ -42,7 +42,6 @@ class Camera:
 class Orbit(Camera):
     """A perspective view of a 3-D world. eye axes: right, up and forward, unit vectors [3, 3]; away: distance [m]."""
 
-    pivot: tuple[float, float, float]
     axes: np.ndarray
     away: float
 
@@ -57,7 +56,7 @@ class Orbit(Camera):
         return _unit((self.place(points + step) - self.place(points)) * 1e3)
 
     def nearness(self, points: np.ndarray) -> np.ndarray:
-        """Give how much larger than at the pivot things look: [...]."""
+        """Give how much larger than at the centre things look: [...]."""
         return self._grown(self._seen(points))
 
     @staticmethod
@@ -68,7 +67,7 @@ class Orbit(Camera):
     def _seen(self, points: np.ndarray) -> np.ndarray:
         if points.shape[-1] == 2:
             points = np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
-        return (points - self.pivot) @ self.axes.T
+        return (points - self.centre) @ self.axes.T
 
     def _grown(self, seen: np.ndarray) -> np.ndarray:
         return self.away / np.maximum(self.away + seen[..., 2], 0.05 * self.away)

@@ -7,6 +7,7 @@ from render.raster.shapes import NONE, WINDOW, cloud, colour
 from render.scene.camera import Camera, Orbit
 from render.scene.snapshot import Snapshot, images
 from render.scene.trajectories import Trajectories
+from render.source import is_endless
 from render.theme import Theme
 from tiswarm.space import box
 
@@ -65,7 +66,7 @@ class Density:
                 continue
             own, spots = camera.of(agents[0]), here.spot[agents]
             if isinstance(own, Orbit):
-                drawn = self._deep(spots, many, own, windows[scene])
+                drawn = self._deep(spots, many, scene, own, windows[scene])
             else:
                 drawn = self._flat(spots, many, scene, own, windows[scene])
             for each in drawn:
@@ -103,17 +104,21 @@ class Density:
             shapes.append(cloud((left, top), (right, bottom), (int(cells[0]), int(cells[1])), first))
         return shapes
 
-    def _deep(self, spots: np.ndarray, many: int, camera: Orbit, window: np.ndarray) -> list[np.ndarray]:
+    def _deep(self, spots: np.ndarray, many: int, scene: int, camera: Orbit, window: np.ndarray) -> list[np.ndarray]:
         """Spread agents over the screen: the near ones weigh more and are clear, the far ones are hazy; below, their shadow."""
-        fallen = _Screen(camera.place(spots[:, :2]), many, window)
-        dark = self._theme.shadow_alpha * (1 - np.exp(-0.5 * fallen.counted(None)))[..., None]
-        shade = np.concatenate([dark * self._theme["shadow"], dark], axis=2, dtype=np.float32)
-        shadow = cloud(fallen.low, fallen.high, fallen.cells, self._write(shade))
+        rows = [] if is_endless(self._paths.subjects[scene]) else [self._shadow(spots, many, camera, window)]
         screen, near = _Screen(camera.place(spots), many, window), camera.nearness(spots)
         crowd = screen.counted(near**3)
         haze = camera.haze(screen.counted(near**4) / np.maximum(crowd, 1e-9))
         texels = self._scale.take(self._level(crowd / DEEP), axis=0) * (1 - haze).astype(np.float32)
-        return [shadow, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
+        return [*rows, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
+
+    def _shadow(self, spots: np.ndarray, many: int, camera: Orbit, window: np.ndarray) -> np.ndarray:
+        """Let the cloud's shadow fall on the ground."""
+        fallen = _Screen(camera.place(spots[:, :2]), many, window)
+        dark = self._theme.shadow_alpha * (1 - np.exp(-0.5 * fallen.counted(None)))[..., None]
+        shade = np.concatenate([dark * self._theme["shadow"], dark], axis=2, dtype=np.float32)
+        return cloud(fallen.low, fallen.high, fallen.cells, self._write(shade))
 
     @staticmethod
     def _level(crowd: np.ndarray) -> np.ndarray:

@@ -41,12 +41,12 @@ def hue_of(label: str) -> str:
 
 
 def scale_bar(edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
-    """Draw a bar of a round length in the lower right corner of a stage that a flat camera shows.
+    """Draw a bar of a round length in the lower right corner of a stage: in space as long as it looks in the view's middle.
 
     edges: x0, y0, x1, y1 [px]. unit: pixels per unit of type.
     """
     size = round(LENGTH * unit)
-    if isinstance(camera, Orbit) or size < LEAST:
+    if size < LEAST:
         return NONE
     metres = rounded(SPAN * (edges[2] - edges[0]) / camera.scale)
     right, y, hue = edges[2] - INSET * unit, edges[3] - INSET * unit, theme.label("line")

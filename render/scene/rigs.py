@@ -6,15 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.captions.layout import Box
-from render.scene.camera import Camera, Orbit
+from render.scene.camera import Camera
+from render.scene.orbits import MARGIN, PITCH, alongside, around, leaves
 from render.scene.trajectories import Trajectories
-from render.source import Live, is_sky
+from render.source import Live
 from render.style import Look
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
-
-MARGIN = 0.014
-"""Free rim around the world, as a share of the stage's shorter edge: room for a wall."""
 
 RIM = 0.012
 """Free rim around agents that leave the world: they only must not touch the edge."""
@@ -25,14 +23,11 @@ FOLLOWED = 0.5
 FARTHEST = 0.5
 """How far from the world agents may start and still be shown [share of the world's size]."""
 
-LEFT = 0.2
-"""Share of a recording that the prey's centre may be outside an open world before the camera goes with it."""
-
 CALM = 12
 """A following camera's path is smoothed over about this many ticks."""
 
-PITCH, START, TURN, DISTANCE = 0.42, 0.35, 0.1, 2.6
-"""Orbit: angles above the ground and around it at the start [rad], turn [rad/s of film], distance [half diagonals]."""
+ENDLESS = 1.25
+"""Width by height of the stage of a camera that goes along with a swarm in space: it has no form of its own."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +42,15 @@ class Rig:
 class View:
     """What a fitting camera shows [m]: the world, and all that is reached by what moves, which holds the world.
 
-    floor, top: the lowest and the highest point of 3-D worlds.
+    floor, top: the lowest and the highest point of 3-D worlds. along: how far around the prey one sees who goes along with
+    them through space [m]; 0 where the camera stays in the world.
     """
 
     world: Box
     reach: Box
     floor: float = 0.0
     top: float = 0.0
+    along: float = 0.0
 
 
 def bounds(paths: Trajectories, scene: int, stray: float) -> Box:
@@ -90,6 +87,8 @@ def heights(subject: Recording | Live) -> tuple[float, float]:
 def apparent(paths: Trajectories, view: View) -> tuple[float, float]:
     """Give how wide and high a view looks, next to each other: an orbit sees the diagonal of the floor, and that aslant."""
     width, height = view.reach.width, view.reach.height
+    if view.along:
+        return ENDLESS, 1.0
     if paths.dim == 2:
         return width, height
     across = float(np.hypot(width, height))
@@ -107,10 +106,11 @@ def rig(look: Look, paths: Trajectories, scene: int, view: View, stage: Box) -> 
         held = fitted(View(chosen, chosen), stage)
         return Rig(lambda _: held, still=True)
     kind, _, agent = look.camera.partition(":")
+    subject = paths.subjects[scene]
     if kind == "orbit" or (kind == "fit" and paths.dim == 3):
-        return _orbiting(look, view, stage)
-    fit, subject = fitted(view, stage), paths.subjects[scene]
-    if kind == "fit" and not _leaves(subject):
+        return _orbiting(look, subject, view, stage)
+    fit = fitted(view, stage)
+    if kind == "fit" and not leaves(subject):
         return Rig(lambda _: fit, still=True)
     if not isinstance(subject, Recording):
         raise ValueError("camera: 'follow' looks ahead, which a live simulation does not let it; record it first, or use fit")
@@ -129,25 +129,16 @@ def rig(look: Look, paths: Trajectories, scene: int, view: View, stage: Box) -> 
     return Rig(follow, still=False)
 
 
-def _leaves(subject: Recording | Live) -> bool:
-    """Tell whether prey wander off for good through an open world in which nothing keeps them: then one must go along."""
-    if not isinstance(subject, Recording) or not is_sky(subject) or box.bounded(subject.scenario.world.boundary):
-        return False
-    size = np.array(subject.scenario.world.size[:2])
-    away = np.abs(np.nanmean(subject.prey.position[..., :2], axis=1) - size / 2) > size / 2
-    return bool(away.any(axis=1).mean() > LEFT)
-
-
 def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
-    """Smooth the path of an agent, or of the centre of the prey that are left: [tick, 2]. In a periodic world it goes on."""
+    """Smooth the path of an agent, or of the centre of the prey that are left: [tick, dim]. In a periodic world it goes on."""
     world = recording.scenario.world
-    chosen = recording.prey.position[..., :2]
+    chosen = recording.prey.position
     if agent is not None:
-        chosen = np.concatenate([chosen, recording.predators.position[..., :2]], axis=1)[:, agent : agent + 1]
+        chosen = np.concatenate([chosen, recording.predators.position], axis=1)[:, agent : agent + 1]
     there = np.isfinite(chosen[..., :1])
     count = there.sum(axis=1)
     if box.wraps(world.boundary):
-        turn = 2 * np.pi / np.array(world.size[:2])
+        turn = 2 * np.pi / np.array(world.size)
         waves = np.where(there, np.exp(1j * np.nan_to_num(chosen) * turn), 0).sum(axis=1)
         mean = np.unwrap(np.angle(waves), axis=0) / turn
     else:
@@ -155,36 +146,19 @@ def _calm_path(recording: Recording, agent: int | None) -> np.ndarray:
     last = np.maximum.accumulate(np.where(count[:, 0] > 0, np.arange(len(mean)), 0))
     way = mean[last]
     weights = np.exp(-0.5 * (np.arange(-2 * CALM, 2 * CALM + 1) / (CALM / 2)) ** 2)
-    padded = np.pad(way, ((2 * CALM, 2 * CALM), (0, 0)), mode="edge")
-    return np.stack([np.convolve(padded[:, n], weights / weights.sum(), mode="valid") for n in range(2)], axis=1)
+    rim = (2 * CALM, 2 * CALM), (0, 0)
+    padded = np.pad(way, rim, mode="reflect", reflect_type="odd")  # goes on at both ends as it came
+    return np.stack([np.convolve(padded[:, n], weights / weights.sum(), mode="valid") for n in range(way.shape[1])], axis=1)
 
 
-def _orbiting(look: Look, view: View, stage: Box) -> Rig:
-    """Walk around the world, looking slightly down on it."""
+def _orbiting(look: Look, subject: Recording | Live, view: View, stage: Box) -> Rig:
+    """Walk around the world, or around the prey that leave it."""
+    if view.along and isinstance(subject, Recording):
+        return Rig(alongside(_calm_path(subject, None), view.along, look.speed, stage), still=False)
     reach = view.reach
     pivot = (reach.left + reach.right) / 2, (reach.top + reach.bottom) / 2, (view.floor + view.top) / 2
     sides = np.array([reach.width, reach.height, view.top - view.floor])
-    away = DISTANCE * float(np.linalg.norm(sides)) / 2
-    corners = pivot + sides * [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-    none = np.zeros(2)
-    turns = [Orbit(none, none, 1.0, pivot, _axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
-    spread = np.concatenate([turn.place(corners) for turn in turns])
-    margin = 2 * MARGIN * min(stage.width, stage.height)
-    low, high = spread.min(axis=0), spread.max(axis=0)
-    scale = float(min((stage.width - margin) / (high[0] - low[0]), (stage.height - margin) / (high[1] - low[1])))
-    across, up = (stage.left + stage.right) / 2, (stage.top + stage.bottom) / 2 - scale * float(low[1] + high[1]) / 2
-    middle = np.array([across, up])
-
-    def orbit(time: float) -> Camera:
-        return Orbit(none, middle, scale, pivot, _axes(START + time / look.speed * TURN), away)
-
-    return Rig(orbit, still=False)
-
-
-def _axes(angle: float) -> np.ndarray:
-    """Give the directions right, up and forward of an eye that looks down on the world from an angle around it: [3, 3]."""
-    c, s, cp, sp = np.cos(angle), np.sin(angle), np.cos(PITCH), np.sin(PITCH)
-    return np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])
+    return Rig(around(pivot, sides, look.speed, stage), still=False)
 
 
 def fitted(view: View, stage: Box) -> Camera:

@@ -13,7 +13,7 @@ from render.scene.overlays import Overlays
 from render.scene.snapshot import Snapshot, now
 from render.scene.trails import Trails
 from render.scene.trajectories import ACTING, ALARMED, EXPLODING, Trajectories
-from render.source import Live
+from render.source import Live, is_endless
 from render.style import Look
 from tiswarm.records.recording import Recording
 
@@ -84,6 +84,7 @@ class Scene:
         prey, scene = paths.is_prey.astype(int), paths.scene
         self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
         self._swatch = np.array([colour(each) for each in self.theme.prey])
+        self._grounded = not any(is_endless(subject) for subject in self.subjects)
 
     def frame(self, time: float, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what moves at a time [ticks]; past the last tick the last state stays and flashes go on.
@@ -93,7 +94,7 @@ class Scene:
         around = self._around(camera, windows)
         here = now(self.paths, time, camera, around, self._lone)
         gone = bool((self.paths.end <= time).any())
-        rows = [self._shadows(here, camera)] if isinstance(camera, Orbit) else []
+        rows = [self._shadows(here, camera)] if isinstance(camera, Orbit) and self._grounded else []
         rows.append(self._overlays.below(here, camera, windows))
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
