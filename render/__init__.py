@@ -12,6 +12,7 @@ _HOMES = {
     "sheet": "films",
     "still": "films",
     "replay": "page.document",
+    "Among": "captions.among",
     "Film": "films",
     "Field": "scene.background",
     "Live": "source",
@@ -30,6 +31,7 @@ __all__ = [
     "QUALITIES",
     "THEMES",
     "USES",
+    "Among",
     "Field",
     "Film",
     "FilmError",
@@ -48,6 +50,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from render.captions.among import Among
     from render.encoder import QUALITIES, FilmError
     from render.films import Film, check_film, check_image, film, frames, poster, sheet, still
     from render.page.document import replay

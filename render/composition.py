@@ -175,8 +175,10 @@ class Composition:
                 rows[-1][:, WINDOW] = len(self.boxes) + n
             if self.caption and self.caption.shown:
                 edges = self._windows[-2]
-                rows.append(lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time)))
-                rows[-1][:, WINDOW] = 2 * len(self.boxes)
+                bars = [lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time))]
+                if self.scene.density:
+                    bars.append(self.scene.density.scale.bar(edges, theme, self._atlas, self._unit))
+                rows += [self._in_frame(each) for each in bars]
             self._letters = np.concatenate(rows)
         return self._letters
 

@@ -77,7 +77,8 @@ def _replayed(recording: Recording) -> Iterator[tuple[Moment, Moment]]:
 
 def _at(swarm: Swarm, tick: int) -> Swarm:
     """Cut one tick out of a swarm's path. Fates are final, which matters for nobody who is still there."""
-    return Swarm(swarm.position[tick], swarm.velocity[tick], swarm.fate, swarm.state[tick], swarm.group[tick])
+    position, velocity = swarm.position[tick], swarm.velocity[tick]
+    return Swarm(position, velocity, swarm.fate, swarm.state[tick], swarm.group[tick], judged=swarm.judged)
 
 
 def target_of(subject: "Recording | Live") -> Any:

@@ -1,10 +1,13 @@
 """Style: what a film shows, and how; every choice is checked here, before anything is drawn."""
 
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from render.theme import Theme, theme_named
 from tiswarm.scenario.measures import Shown
+
+if TYPE_CHECKING:
+    from render.captions.among import Among  # which builds on what is chosen here
 
 OVERLAYS = ("perception", "velocity", "links", "density", "coverage", "pursuit")
 """Perception circles, velocity lines, lines between neighbours, a heat map of agents, cleaned ground, whom predators chase."""
@@ -52,6 +55,7 @@ class Look:
     story: tell what happens in a line at the stage's foot, and slow down around captures; for one recording.
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
+    among: outcomes of other trials (render.Among), drawn with the charts, for one recording.
 
     Errors: ValueError for a choice that is not possible.
     """
@@ -67,6 +71,7 @@ class Look:
     cards: bool = False
     loop: bool = False
     chart: tuple[str, ...] | None = None
+    among: "Among | None" = None
 
     def __post_init__(self) -> None:
         theme_named(self.theme)

@@ -81,7 +81,7 @@ DARK = Theme(
     outline="#0a0e15",
     type_weight=1.0,
     cleaned_alpha=0.1,
-    heat=("#1d3b6e", "#3fa7d6", "#fff3b0"),
+    heat=("#2b5797", "#3fa7d6", "#fff3b0"),
 )
 
 LIGHT = Theme(

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.captions.among import Histogram
 from render.captions.caption import Caption, possible_ends
 from render.captions.layout import Box
 from render.captions.measured import UNITS, called
 from render.raster.glyphs import Atlas
 from render.raster.shapes import Colour, boxes, capsules, colour, discs
+from render.scene.lettering import rounded_up
 from render.scene.scene import Scene
 from render.scene.signs import sign_paint
 from render.scene.trajectories import ALIVE
@@ -61,14 +63,6 @@ def series(scene: Scene, name: str) -> Series:
     return Series(called(scene, 0, name), UNITS.get(name, ""), values, top, paint)
 
 
-def rounded_up(value: float) -> float:
-    """Give the smallest number of one leading digit, or 1.5 or 2.5 times a power of ten, that is not below a value."""
-    if not value > 0:
-        return 1.0
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(next(each * power for each in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10) if each * power >= value * (1 - 1e-9)))
-
-
 class Charts(Caption):
     """Charts, one above the other."""
 
@@ -77,16 +71,20 @@ class Charts(Caption):
         super().__init__(scene, atlas, unit)
         names = chartable(scene) if wanted is None else [each for each in wanted if isinstance(scene.subjects[0], Recording)]
         room = int((box.height / unit + BETWEEN) // (LEAST + BETWEEN))
-        names = names[: max(room, 0)]
+        among = scene.look.among if room > 0 else None
+        names = names[: max(room - (among is not None), 0)]
         self._lines = [series(scene, name) for name in names]
-        high = min((box.height + BETWEEN * unit) / max(len(names), 1) - BETWEEN * unit, MOST * unit)
-        tops = [box.top + n * (high + BETWEEN * unit) for n in range(len(names))]
-        self._plots = [Box(box.left, top + (NAME + 9) * unit, box.right, top + high) for top in tops]
+        many = len(names) + (among is not None)
+        high = min((box.height + BETWEEN * unit) / max(many, 1) - BETWEEN * unit, MOST * unit)
+        tops = [box.top + n * (high + BETWEEN * unit) for n in range(many)]
+        self._plots = [Box(box.left, top + (NAME + 9) * unit, box.right, top + high) for top in tops[: len(names)]]
+        last = Box(box.left, tops[-1], box.right, tops[-1] + high) if among else box
+        self.among = Histogram(scene, atlas, unit, last, among) if among else None
         self._drawn = [self._line(each, plot) for each, plot in zip(self._lines, self._plots, strict=True)]
 
     def ground(self) -> list[np.ndarray]:
         """Draw names, axes, and what they reach to."""
-        unit, rows = self._unit, []
+        unit, rows = self._unit, self.among.ground() if self.among else []
         for each, plot in zip(self._lines, self._plots, strict=True):
             base = plot.top - 8 * unit
             rows.append(self._write(each.name, plot.left, base, NAME, "quiet"))
@@ -98,7 +96,7 @@ class Charts(Caption):
 
     def frame(self, time: float) -> list[np.ndarray]:
         """Draw the lines as far as a time [ticks], and a mark on the axis for each prey that met its end."""
-        rows = []
+        rows = self.among.frame(time) if self.among else []
         for each, plot, (starts, pieces) in zip(self._lines, self._plots, self._drawn, strict=True):
             rows += [self._ends(time, plot), pieces[: int(np.searchsorted(starts, time))]]
             tick = min(time, len(each.values) - 1)

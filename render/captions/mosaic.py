@@ -112,6 +112,8 @@ class Mosaic(Caption):
             measured(scene, n, names[0]) if names and not ends else None
             for n, (names, ends) in enumerate(zip(named, self._ends, strict=True))
         ]
+        trials = {(subject.seed, subject.trial) for subject in scene.subjects}
+        self._paired = len(trials) == 1 and len(places) > 1 and all(self._ends)
         self._tallies = [NONE] * len(places)  # counts change seldom: their shapes are kept until they do
         self._gone = np.full(len(places), -1)
 
@@ -162,7 +164,7 @@ class Mosaic(Caption):
         paths = self._scene.paths
         gone = np.bincount(paths.scene[: paths.prey][paths.end[: paths.prey] <= time], minlength=len(self._places))
         for n in range(len(self._places)):
-            if gone[n] != self._gone[n] or self._measured[n]:
+            if gone[n] != self._gone[n] or self._measured[n] or (self._paired and gone[0] != self._gone[0]):
                 self._tallies[n] = self._corner(n, time)
         self._gone = gone
         return self._tallies
@@ -173,11 +175,14 @@ class Mosaic(Caption):
         tally = self._words(n, time)
         signed = not tally and len(self._ends[n]) > 0
         wide = len(self._prey[n]) * PIP * unit if signed else width(tally, self._px(LABEL)) if tally else 0.0
-        room = place.width - (wide + 40 * unit if wide else 22 * unit)
+        lead = self._lead(n, time)
+        beyond = width(lead, self._px(LABEL)) + 12 * unit if lead else 0.0
+        room = place.width - (wide + 40 * unit if wide else 22 * unit) - beyond
         label = wrapped(self._labels[n], self._px(LABEL), int(max(room, 40 * unit)), 1)[0]
         left, top = place.left + 3 * unit, place.top + 3 * unit
         start = left + 8 * unit + width(label, self._px(LABEL)) + 10 * unit
-        right, base = start + (wide + 6 * unit if wide else -2 * unit), top + 19 * unit
+        far = start + (wide + 6 * unit if wide else -2 * unit)
+        right, base = far + beyond, top + 19 * unit
         rows = [
             boxes((left, top), (right, top + 26 * unit), self._theme["backdrop"], PLATE, corner=4 * unit),
             self._write(label, left + 8 * unit, base, LABEL, "ink"),
@@ -186,7 +191,16 @@ class Mosaic(Caption):
             rows.append(self._write(tally, start, base, LABEL, "quiet"))
         elif signed:
             rows.append(self._signs(n, time, start, base - 6 * unit))
+        if lead:
+            rows.append(self._write(lead, far + 4 * unit, base, LABEL, "ink"))
         return np.concatenate(rows)
+
+    def _lead(self, n: int, time: float) -> str:
+        """Say how many prey more than the first of several ways through the same trial one has kept up to a time."""
+        if not self._paired or n == 0:
+            return ""
+        kept = [int((self._fates(cell, time) < CAPTURED).sum()) for cell in (0, n)]
+        return f"{kept[1] - kept[0]:+d}".replace("-", "\N{MINUS SIGN}") if kept[0] != kept[1] else "±0"
 
     def _words(self, n: int, time: float) -> str:
         """Say what became of many prey, and what is measured where nothing can become of them."""

@@ -159,11 +159,15 @@ def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[
 
 def height_of(scene: Scene, found: list[Counter], note: str) -> Callable[[float, float], float]:
     """Give what tells how high [px] the caption of a scene becomes, by its width and the unit of type [px]."""
-    more = height_for(len(scene.look.chart or ())) if isinstance(scene.subjects[0], Recording) else 0.0
+    more = (
+        height_for(len(scene.look.chart or ()) + (scene.look.among is not None))
+        if isinstance(scene.subjects[0], Recording)
+        else 0.0
+    )
     return lambda wide, unit: _Plan(scene, wide, unit, found, note).height + more * unit
 
 
 def charted_in(scene: Scene, left: float) -> bool:
     """Tell whether what is left of a strip [units of type] has room for a chart that is wanted, or worth it."""
     names = chartable(scene) if scene.look.chart is None else scene.look.chart
-    return bool(names) and isinstance(scene.subjects[0], Recording) and left >= height_for(1) - 1e-6
+    return bool(names or scene.look.among) and isinstance(scene.subjects[0], Recording) and left >= height_for(1) - 1e-6

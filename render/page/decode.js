@@ -3,7 +3,7 @@
  *
  * @typedef {{at: number, bits: number, shape: number[], order: number, kind: string, low?: number[], step?: number[]}} Section
  * @typedef {{count: number, strategy: string, avoidance: string, radius: number, perception: number, view: number,
- *   nearest: number | null, states: string[], terms: string[], fate: number[], end: (number | null)[]}} Agents
+ *   nearest: number | null, states: string[], terms: string[], fate: number[], end: (number | null)[], judged?: (number[] | null)[]}} Agents
  * @typedef {{format: number, label: string, title: string, source: string, preset: string, seed: number, trial: number,
  *   ticks: number, dim: number, dt: number, size: number[], heights: number[], boundary: string, sky: boolean,
  *   areas: {label: string, low: number[], high: number[]}[], target: {position: number[], radius: number} | null,
@@ -42,6 +42,9 @@ export class Recording {
     /** @type {string[]} */
     this.states = [...new Set(["calm", ...prey.states, ...predators.states])];
     /** The tick at which each agent is gone, Infinity for those who stay. */
+    /** Where each was judged to be gone [m], if that is known. @type {(number[] | null | undefined)[]} */
+    this.judged = new Array(this.count).fill(null);
+    [prey, predators].forEach((each, n) => each.judged?.forEach((place, k) => (this.judged[n * prey.count + k] = place)));
     this.end = Float64Array.from([...prey.end, ...predators.end], (end) => end ?? Infinity);
     this.fate = Uint8Array.from([...prey.fate, ...predators.fate]);
     /** What each term added to the velocity in the move out of a tick's state. @type {Map<string, Float32Array>} */

@@ -120,6 +120,10 @@ def _swarm(sections: Sections, kind: str, swarm: Swarm, box: tuple[np.ndarray, n
         "terms": list(swarm.terms),
         "fate": [FATES.index(each) for each in swarm.fate],
         "end": [int(end) if end <= len(swarm.position) - 1 else None for end in ends],
+        "judged": [
+            [_short(x) for x in place] if np.isfinite(place[0]) else None
+            for place in ([] if swarm.judged is None else swarm.judged)
+        ],
     }
 
 

@@ -22,13 +22,14 @@ export class Paths {
     for (let agent = 0; agent < recording.prey; agent++) this._meet(agent);
   }
 
-  /** Whoever dies or arrives in a tick has no position at its end: it goes on as it moved. @param {number} agent */
+  /** Whoever dies or arrives goes to where that was judged; where that is not known, on as it moved. @param {number} agent */
   _letGo(agent) {
     const { recording: r } = this;
     const before = Math.max(r.end[agent] - 1, 0);
     for (let axis = 0; axis < r.dim; axis++) {
       const row = (before * r.count + agent) * r.dim + axis;
-      const step = r.velocity[row] * r.dt;
+      const known = r.judged[agent];
+      const step = known ? r.shortest(known[axis] - r.position[row], axis) : r.velocity[row] * r.dt;
       this._ahead[agent * r.dim + axis] = r.position[row] + step;
       this._coming[agent * r.dim + axis] = step;
     }
@@ -37,7 +38,7 @@ export class Paths {
   /** Let captor and captive of one tick, if near enough to have touched, end at the point between them. @param {number} prey */
   _meet(prey) {
     const { recording: r, _ahead: ahead } = this;
-    if (r.fate[prey] !== CAPTURED || !(r.end[prey] <= r.ticks)) return;
+    if (r.judged[prey] || r.fate[prey] !== CAPTURED || !(r.end[prey] <= r.ticks)) return;
     let nearest = r.header.prey.radius + r.header.predators.radius + this._length(prey);
     let captor = -1;
     for (let other = r.prey; other < r.count; other++) {

@@ -3,12 +3,15 @@
 import numpy as np
 
 from render.raster.glyphs import Atlas
-from render.raster.shapes import NONE, WINDOW, cloud, colour
+from render.raster.shapes import NONE, WINDOW, cloud
 from render.scene.camera import Camera, Orbit
+from render.scene.orbits import START, axes
+from render.scene.scale import moments, most, scale_of
 from render.scene.snapshot import Snapshot, images
 from render.scene.trajectories import Trajectories
 from render.source import is_endless
 from render.theme import Theme
+from tiswarm.records.recording import Recording
 from tiswarm.space import box
 
 BLUR = np.array([1, 8, 28, 56, 70, 56, 28, 8, 1], np.float32) / 256
@@ -19,21 +22,6 @@ SPREAD = 0.85
 
 COARSEST, FINEST = 56, 512
 """Cells along the longer side, at least and at most."""
-
-BRIGHTEST = 8
-"""The scale of colours ends where agents are this many times as crowded as on average: it must not change as they move."""
-
-DEEP = 2.5
-"""In space agents add up along a line of sight: it takes this many times as many for the same colour."""
-
-THIN = 1.2
-"""How fast a cloud becomes opaque: with average density its opacity is 1 - exp(-THIN)."""
-
-OPAQUE, VEIL = 0.96, 0.55
-"""Opacity of the densest cloud that stands for its agents, and of one that lies under agents who are drawn as well."""
-
-STEPS = 1024
-"""Colours of the scale."""
 
 AWAY = 0.5
 """How far beyond an open world the cloud goes on [share of the world's size]."""
@@ -46,14 +34,26 @@ class Density:
         """Prepare. lone: [agent], who is drawn one by one; the others make the cloud, or all when all are. atlas: takes it."""
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
-        level = np.linspace(0, 1, STEPS)
-        most = VEIL if lone.all() else OPAQUE
-        opacity = most * (1 - np.exp(-THIN * np.expm1(level * np.log1p(BRIGHTEST))))
-        stops = np.array([colour(each) for each in theme.heat])
-        light = np.stack([np.interp(level, (0, 0.5, 1), stops[:, n]) for n in range(3)], axis=1)
-        self._scale = np.column_stack([light * opacity[:, None], opacity]).astype(np.float32)
         self._texels: list[np.ndarray] = []
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
+        self.scale = scale_of(theme, self._most(), veiled=bool(lone.all()), counted=self._words())
+
+    def _words(self) -> str:
+        """Say what is counted, and across what: in space all that lie behind each other."""
+        prey, words = self._counted & self._paths.is_prey, self._paths.subjects[0].scenario.words
+        noun = words.noun("prey", int(prey.sum())) if (prey == self._counted).all() else "agents"
+        return f"{noun} per m²" + (" of the view" if self._paths.dim == 3 else "")
+
+    def _most(self) -> float:
+        """Find where the scale must end [agents/m²]: it does not change as they move."""
+        paths, found = self._paths, []
+        for scene, (subject, many) in enumerate(zip(paths.subjects, self._many, strict=True)):
+            mine = paths.scene == scene
+            for spots in moments(subject, paths.spots(0.0)[mine]):
+                there = spots[self._counted[mine] & np.isfinite(spots[:, 0])]
+                if len(there):
+                    found.append(_around(there @ axes(START)[:2].T if paths.dim == 3 else there, many))
+        return most(found, live=not isinstance(paths.subjects[0], Recording))
 
     def drawn(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw the clouds of all subjects. windows: [subject, 4], where each is shown [px]."""
@@ -86,8 +86,8 @@ class Density:
             rim = np.ceil(AWAY * cells)
             low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
         mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
-        crowd = _counted((spots - low) / (far - low), cells, mode) * (np.prod(size / (far - low)) * np.prod(cells) / many)
-        texels = self._scale.take(self._level(crowd), axis=0)[::-1]  # y points up in the world, down on the screen
+        density = _counted((spots - low) / (far - low), cells, mode) * np.prod(cells / (far - low))
+        texels = self.scale.colours.take(self.scale.level(density), axis=0)[::-1]  # y points up in the world, not on the screen
         first, shapes = self._write(texels), []
         edges = np.array(
             [
@@ -105,25 +105,23 @@ class Density:
         return shapes
 
     def _deep(self, spots: np.ndarray, many: int, scene: int, camera: Orbit, window: np.ndarray) -> list[np.ndarray]:
-        """Spread agents over the screen: the near ones weigh more and are clear, the far ones are hazy; below, their shadow."""
+        """Spread agents over the screen, the far ones hazy; below, their shadow.
+
+        What looks n times as large covers n² times the screen, and counts n² times: a colour tells what is behind each other.
+        """
         rows = [] if is_endless(self._paths.subjects[scene]) else [self._shadow(spots, many, camera, window)]
         screen, near = _Screen(camera.place(spots), many, window), camera.nearness(spots)
-        crowd = screen.counted(near**3)
-        haze = camera.haze(screen.counted(near**4) / np.maximum(crowd, 1e-9))
-        texels = self._scale.take(self._level(crowd / DEEP), axis=0) * (1 - haze).astype(np.float32)
+        density = screen.counted(near**2) * camera.scale**2
+        haze = camera.haze(screen.counted(near**3) / np.maximum(screen.counted(near**2), 1e-9))
+        texels = self.scale.colours.take(self.scale.level(density), axis=0) * (1 - haze).astype(np.float32)
         return [*rows, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
 
     def _shadow(self, spots: np.ndarray, many: int, camera: Orbit, window: np.ndarray) -> np.ndarray:
         """Let the cloud's shadow fall on the ground."""
         fallen = _Screen(camera.place(spots[:, :2]), many, window)
-        dark = self._theme.shadow_alpha * (1 - np.exp(-0.5 * fallen.counted(None)))[..., None]
+        dark = self._theme.shadow_alpha * (1 - np.exp(-0.5 * fallen.averages()))[..., None]
         shade = np.concatenate([dark * self._theme["shadow"], dark], axis=2, dtype=np.float32)
         return cloud(fallen.low, fallen.high, fallen.cells, self._write(shade))
-
-    @staticmethod
-    def _level(crowd: np.ndarray) -> np.ndarray:
-        """Give the place on the scale of colours: [row, column] of int, from how crowded it is, in averages."""
-        return np.minimum(np.log1p(crowd) * ((STEPS - 1) / np.log1p(BRIGHTEST)) + 0.5, STEPS - 1).astype(np.int32)
 
     def _write(self, texels: np.ndarray) -> int:
         """Hand over texels [row, column, 4]; return the number of the first."""
@@ -145,9 +143,22 @@ class _Screen:
         self.cells = int(self._size[0]), int(self._size[1])
         self._places, self._many = (places - self.low) / (self.high - self.low), many
 
-    def counted(self, weights: np.ndarray | None) -> np.ndarray:
-        """Give how crowded cells are, in averages, with a rim: [row, column]. weights: [point], 1 when None."""
-        return _counted(self._places, self._size, "constant", weights) * (np.prod(self._size) / self._many)
+    def counted(self, weights: np.ndarray) -> np.ndarray:
+        """Give how many points there are on a pixel, with a rim: [row, column]. weights: [point]."""
+        area = np.prod((self.high - self.low) / self._size)
+        return _counted(self._places, self._size, "constant", weights) / area
+
+    def averages(self) -> np.ndarray:
+        """Give how crowded cells are, in averages, with a rim: [row, column]."""
+        return _counted(self._places, self._size, "constant") * (np.prod(self._size) / self._many)
+
+
+def _around(spots: np.ndarray, many: int) -> np.ndarray:
+    """Give how crowded it is around each of some points [point, 2], m: agents/m², spread as in a cloud of so many."""
+    low, high = spots.min(axis=0) - 1e-6, spots.max(axis=0) + 1e-6
+    cells = _cells(high - low, many)
+    at = np.minimum((spots - low) / (high - low) * cells, cells - 1).astype(int)
+    return _counted((spots - low) / (high - low), cells, "constant")[at[:, 1] + 1, at[:, 0] + 1] * np.prod(cells / (high - low))
 
 
 def _cells(size: np.ndarray, many: int) -> np.ndarray:

@@ -64,6 +64,14 @@ def rounded(most: float) -> float:
     return float(max(each * power for each in (1, 2, 5) if each * power <= most * (1 + 1e-9)))
 
 
+def rounded_up(value: float) -> float:
+    """Give the smallest number of one leading digit, or 1.5 or 2.5 times a power of ten, that is not below a value."""
+    if not value > 0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(each * power for each in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10) if each * power >= value * (1 - 1e-9)))
+
+
 def length(metres: float) -> str:
     """Write a round length with its unit."""
     if metres >= 1000:

@@ -64,7 +64,7 @@ def around(pivot: tuple[float, ...], sides: np.ndarray, speed: float, stage: Box
     away = DISTANCE * float(np.linalg.norm(sides)) / 2
     middle_of = np.array(pivot)
     corners = middle_of + sides * [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-    turns = [Orbit(middle_of, np.zeros(2), 1.0, _axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
+    turns = [Orbit(middle_of, np.zeros(2), 1.0, axes(angle), away) for angle in np.linspace(0, 2 * np.pi, 60)]
     spread = np.concatenate([turn.place(corners) for turn in turns])
     margin = 2 * MARGIN * min(stage.width, stage.height)
     low, high = spread.min(axis=0), spread.max(axis=0)
@@ -92,10 +92,10 @@ def alongside(way: np.ndarray, reach: float, speed: float, stage: Box) -> Callab
 
 
 def _turned(time: float, speed: float) -> np.ndarray:
-    return _axes(START + time / speed * TURN)
+    return axes(START + time / speed * TURN)
 
 
-def _axes(angle: float) -> np.ndarray:
+def axes(angle: float) -> np.ndarray:
     """Give the directions right, up and forward of an eye that looks down on the world from an angle around it: [3, 3]."""
     c, s, cp, sp = np.cos(angle), np.sin(angle), np.cos(PITCH), np.sin(PITCH)
     return np.array([[c, s, 0], [-s * sp, c * sp, cp], [-s * cp, c * cp, -sp]])

@@ -28,7 +28,7 @@ class Overlays:
         """Prepare. unit: pixels per unit of type. lone, atlas: as for `Density`."""
         self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
         self.coverage = Coverage(paths, theme) if "coverage" in names else None
-        self._density = Density(paths, theme, lone, atlas) if "density" in names else None
+        self.density = Density(paths, theme, lone, atlas) if "density" in names else None
         scenarios = [subject.scenario for subject in paths.subjects]
         linked = {n for n, scenario in enumerate(scenarios) if sprung(scenario)} if "links" in names else set()
         self._springs = {scene: Springs(paths, scene, theme) for scene in linked}
@@ -44,8 +44,8 @@ class Overlays:
         rows = [NONE]
         if self.coverage:
             rows.append(self.coverage.drawn(here, camera))
-        if self._density:
-            rows.append(self._density.drawn(here, camera, windows))
+        if self.density:
+            rows.append(self.density.drawn(here, camera, windows))
         if "perception" in self._names:
             rows.append(self._perception(here, camera))
         for scene, kind in enumerate(self._chased):

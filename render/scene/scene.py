@@ -59,7 +59,7 @@ class Scene:
         swept = any(subject.scenario.coverage.cell for subject in subjects)
         overlay = {*look.overlay, *(() if self._lone.all() else ("density",)), *(("coverage",) if swept else ())}
         self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
-        self.coverage = self._overlays.coverage
+        self.coverage, self.density = self._overlays.coverage, self._overlays.density
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
         self._atlas = atlas
         self._followed = np.array([] if look.followed is None else self._numbered(look.followed), int)

@@ -95,6 +95,7 @@ class Trajectories:
         """Make room for two ticks, and for the points of trails."""
         shape = self.count, self.dim
         self._place, self._slope, self._begin, self._ahead, self._leaving, self._coming = np.full((6, *shape), np.nan)
+        self._judged = np.full(shape, np.nan)
         self._bend, self._twist = np.full((2, *shape), np.nan)  # the curves' coefficients of the second and third power
         self._state, self._state_before, self.fate = np.zeros((3, self.count), np.uint8)
         self.latecomers = False
@@ -131,6 +132,9 @@ class Trajectories:
                 leaving = np.isnan(self._place[agents, 0]) & np.isinf(self.end[agents])
                 if leaving.any():
                     self.fate[agents][leaving] = [FATES.index(name) for name in moment.fate[leaving]]
+                    judged = getattr(moment, "judged", None)  # which recordings know
+                    if judged is not None:
+                        self._judged[agents][leaving] = judged[leaving]
 
     def _advance(self) -> None:
         """Load the next tick of all subjects that still run, and lay the curves to it."""
@@ -181,11 +185,17 @@ class Trajectories:
             self.latecomers = True
 
     def _let_go(self, gone: np.ndarray) -> None:
-        """Whoever dies or arrives in a tick has no position at its end: it goes on as it moved, and captor meets captive."""
+        """Whoever dies or arrives in a tick goes to where that was judged; where nobody knows, on as it moved.
+
+        Then captor meets captive.
+        """
         self.end[gone] = self._rest_from[gone] = self.loaded
-        self._ahead[gone] = self._begin[gone] + self._leaving[gone]
-        self._coming[gone] = self._leaving[gone]
-        captured = gone[self.fate[gone] == CAPTURED]
+        known = np.isfinite(self._judged[gone, 0])
+        told, gone_on = gone[known], gone[~known]
+        self._coming[told] = self.shortest(self._judged[told] - self._begin[told], told)
+        self._coming[gone_on] = self._leaving[gone_on]
+        self._ahead[gone] = self._begin[gone] + self._coming[gone]
+        captured = gone_on[self.fate[gone_on] == CAPTURED]
         captors = captured[~self.is_prey[captured]]
         for captive in captured[self.is_prey[captured]]:
             captors = captors[captors != self._met(captive, captors)]

@@ -60,7 +60,9 @@ class _Turned:
 
 
 def _moment(moment: Moment, width: float) -> Swarm:
-    return Swarm(_places(moment.position, width), _ways(moment.velocity), moment.fate, moment.state, moment.group)
+    judged = getattr(moment, "judged", None)  # which recordings know
+    place, way = _places(moment.position, width), _ways(moment.velocity)
+    return Swarm(place, way, moment.fate, moment.state, moment.group, judged=None if judged is None else _places(judged, width))
 
 
 def _swarm(swarm: Swarm, width: float) -> Swarm:

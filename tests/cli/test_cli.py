@@ -119,6 +119,7 @@ def test_bench_writes_rows_a_manifest_and_charts(tmp_path):
         (("film", "delft/pronav-10", "--chart", "beauty"), "chart: unknown 'beauty'; use any of alive"),
         (("film", "delft/pronav-10", "--subtitles", "x.srt"), "name a file that ends in .vtt"),
         (("film", "delft/pronav-10", "--subtitles", "x.vtt", "--grid", "2x1"), "--subtitles: needs one recorded trial"),
+        (("film", "delft/pronav-10", "--among", "5", "--grid", "2x1"), "--among: needs one trial of a preset"),
         (("film", "delft/pronav-10", "--grid", "4"), "--grid 4x4"),
         (("film", "delft/pronav-10", "--speed", "0"), "speed"),
         (("film", "delft/pronav-10", "--fps", "0"), "fps"),

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import tiswarm
-from render.captions.chart import rounded_up
+from render.captions.among import Among
 from render.composition import Composition
-from render.raster.shapes import PLACE
+from render.raster.shapes import BOX, KIND, PLACE, SIZE
+from render.scene.lettering import rounded_up
 from render.style import Look
 
 SQUARE, WIDE = (720, 720), (1280, 720)
@@ -59,3 +60,32 @@ def test_a_line_grows_with_time_and_ends_where_the_film_is(pair):
 def test_ends_of_prey_are_marked_on_the_axis(chase):
     shown = charts(chase, SQUARE, chart=("alive",))
     assert [len(shown.frame(time)[0]) for time in (2.0, 3.5, 4.5, 8.0)] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("size", [SQUARE, WIDE])
+def test_this_trial_is_marked_among_others(chase, size):
+    counts = np.array([0, 1, 1, 1, 2, 2, 6])
+    shown = charts(chase, size, chart=(), among=Among("captured", counts)).among
+    ground = np.concatenate(shown.ground())
+    bars = ground[(ground[:, KIND] == BOX) & (ground[:, SIZE + 1] > 2)]
+    heights = {round(float(x)): float(high) for x, high in zip(bars[:, PLACE], bars[:, SIZE + 1], strict=True)}
+    assert list(heights) == [round(shown.place(count)) for count in (0, 1, 2, 6)], "a bar for each count that there was"
+    assert heights[round(shown.place(1))] == pytest.approx(3 * heights[round(shown.place(0))])
+    assert [shown.count(time) for time in (0.0, 8.0)] == [0, (chase.prey.fate == "captured").sum()]
+    assert shown.frame(8.0)[0][0, PLACE] == pytest.approx(shown.place(shown.count(8.0)))
+
+
+def test_many_counts_share_a_bar(make):
+    recording = make(prey=200, predators=1)
+    shown = charts(recording, SQUARE, chart=("alive",), among=Among("crashed", np.arange(201))).among
+    ground = np.concatenate(shown.ground())
+    assert (ground[:, KIND] == BOX).sum() <= 42
+    assert shown.place(0) < shown.place(199) <= shown._plot.right
+
+
+@pytest.mark.quick
+def test_others_must_be_there_and_their_fate_known():
+    with pytest.raises(ValueError, match="use one of arrived, captured, crashed"):
+        Among("alive", np.zeros(3))
+    with pytest.raises(ValueError, match="give one or more"):
+        Among("captured", np.zeros(0))

@@ -9,9 +9,12 @@ from render.composition import Composition
 from render.raster import shapes
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
-from render.scene import scene
+from render.raster.shapes import colour
+from render.scene import orbits, scene
 from render.scene.density import _counted
+from render.scene.scale import Scale, even, lab
 from render.style import Look
+from render.theme import THEMES
 from tiswarm.records.recording import Recording
 
 SIZE = (320, 180)
@@ -101,3 +104,65 @@ def test_the_scale_does_not_change_with_the_rest_of_the_crowd(make, crowded):
     (stage, whole) = picture(other)
     x, y = stage.rigs[0].at(1.0).place(np.array([30.0, 15.0])).astype(int)
     assert whole[y, x].sum() > 150, "a knot elsewhere must not darken the rest"
+
+
+@pytest.mark.parametrize("theme", sorted(THEMES))
+def test_equal_steps_of_the_scale_look_alike(theme):
+    stops = np.array([colour(each) for each in THEMES[theme].heat])
+    steps = lab(even(stops, 100))
+    apart = np.linalg.norm(np.diff(steps, axis=0), axis=1)
+    assert apart.max() < 1.1 * apart.min()
+    assert (np.diff(steps[:, 0]) > 0).all() or (np.diff(steps[:, 0]) < 0).all(), "and lightness alone tells more from less"
+
+
+def test_cielab_is_what_is_published_for_known_colours():
+    assert np.allclose(
+        lab(np.array([[1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])),
+        [(100, 0, 0), (0, 0, 0), (53.24, 80.09, 67.20)],
+        atol=0.05,
+    )
+
+
+def evenly(make, apart: float, dim: int = 2, layers: int = 1) -> Recording:
+    """Record prey on a square lattice, in space one lattice above the other."""
+    x, y = np.meshgrid(np.arange(30.0, 50.0, apart), np.arange(5.0, 25.0, apart))
+    spots = np.stack([x.ravel(), y.ravel()], axis=1)
+    if dim == 3:
+        spots = np.concatenate([np.column_stack([spots, np.full(len(spots), 8.0 + n)]) for n in range(layers)])
+    recording = flock(make, (40.0, 15.0, 10.0), dim, "open", predators=0)
+    many = len(spots)
+    swarm = replace(
+        recording.prey,
+        position=np.repeat(spots[None], 3, axis=0),
+        velocity=np.zeros((3, many, dim)),
+        fate=np.full(many, "alive"),
+        state=np.full((3, many), "calm"),
+        group=np.full((3, many), -1, np.int32),
+    )
+    return replace(recording, prey=swarm)
+
+
+@pytest.mark.parametrize(("dim", "layers"), [(2, 1), (3, 1), (3, 4)])
+def test_a_colour_is_a_number_of_agents_on_a_square_metre(make, crowded, monkeypatch, dim, layers):
+    levels = []
+    level = Scale.level
+    monkeypatch.setattr(Scale, "level", lambda self, density: levels.append(density) or level(self, density))
+    monkeypatch.setattr(orbits, "PITCH", np.pi / 2)  # from straight above layers hide each other
+    stage, _ = picture(evenly(make, 0.5, dim, layers))
+    assert np.median(levels[-1][levels[-1] > 2]) == pytest.approx(4.0 * layers, rel=0.1), "as perspective shows it"
+    assert stage.scene.density.scale.top == pytest.approx(4.0 * layers, rel=0.5)
+
+
+def test_the_scale_is_told_and_held_still(make, crowded):
+    recording = evenly(make, 0.5)
+    recording.prey.position[2] *= 0.5
+    size = (960, 540)
+    stages = [Composition(recording, size, Look(theme=theme), yuv=False) for theme in ("dark", "light")]
+    for stage in stages:
+        scale, frames = stage.scene.density.scale, [stage.frame(t, stage.canvas.blank()).copy() for t in (0.0, 2.0)]
+        words = scale.bar(stage._windows[-2], stage.look.colours, stage._atlas, stage._unit)
+        left, right = int(words[:, shapes.PLACE].min()) - 4, int(words[:, shapes.PLACE].max()) + 4
+        low = int(stage._windows[-2][3]) - 24
+        first, last = (each.reshape(size[1], size[0], 3)[low : low + 20, left:right] for each in frames)
+        assert (first == last).all()
+        assert len(np.unique(first.reshape(-1, 3), axis=0)) > 20

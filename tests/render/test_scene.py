@@ -217,3 +217,18 @@ def test_what_is_kept_between_frames_changes_no_picture(chase, make):
     for time in (3.5, 4.5, 55.0, 40.5, 58.5, 3.5):
         kept = stage.frame(time, stage.canvas.blank()).reshape(SIZE[1], SIZE[0], 3)
         assert (kept == picture(subjects, time)).all()
+
+
+def test_ways_through_the_same_trial_are_told_apart_by_whom_they_kept(make):
+    first, other = (
+        make(prey_ends={0: (3, "captured"), 1: (6, "arrived")}),
+        make(prey_ends={0: (6, "captured"), 1: (7, "crashed")}),
+    )
+    caption = Composition([first, other], (640, 240), Look(), yuv=False, labels=["a", "b"]).caption
+    told = []
+    for time in (0.0, 4.0, 6.0, 8.0):
+        caption.frame(time)
+        told.append([caption._lead(n, time) for n in (0, 1)])
+    assert told == [["", "±0"], ["", "+1"], ["", "±0"], ["", "\N{MINUS SIGN}1"]]
+    apart = Composition([first, make(trial=9)], (640, 240), Look(), yuv=False).caption
+    assert apart._lead(1, 8.0) == "", "other trials are no pairs"

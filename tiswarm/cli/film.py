@@ -25,7 +25,7 @@ from tiswarm.cli.options import (
     pair,
     start,
 )
-from tiswarm.cli.subjects import FIELDS, again, chosen, counted, field, is_live, longest, middle, names, played
+from tiswarm.cli.subjects import FIELDS, again, chosen, counted, field, is_live, longest, middle, names, others, played
 from tiswarm.system.files import check_writable
 from tiswarm.system.progress import begin_work, reporting
 
@@ -94,6 +94,12 @@ def film(
         str | None,
         typer.Option("--chart", metavar="A,B", help="Chart alive, polarisation, ...; none. Where space is left when left out."),
     ] = None,
+    among: Annotated[
+        int,
+        typer.Option(
+            "--among", metavar="N", min=0, help="Show what became of prey in N other trials, and where this one stands."
+        ),
+    ] = 0,
     slow: Annotated[bool, typer.Option("--slow", help="Slow motion around captures.")] = False,
     story: Annotated[
         bool, typer.Option("--story", help="Tell what happens in words, number who took part, and slow down around captures.")
@@ -151,6 +157,8 @@ def film(
         if wanted and (isinstance(subject, list) or is_live(subject)):
             raise WrongInput(f"{option}: needs one recorded trial; film one, of few agents")
     look["speed"] = speed if speed is not None else max(10.0, longest(subject) / use.seconds) if use else 10.0
+    if among:
+        look["among"] = others(source, subject, among)
     if subtitles is not None:
         render.subtitles(subject, subtitles, rate or render.check_film(planned, pixels, rate, quality)[1], **look)
     for sampled in FIELDS:

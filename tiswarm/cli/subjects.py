@@ -88,6 +88,23 @@ def field(subject: Any, name: str) -> Any:
     return render.Field(*(field if name == "field" else planned)(subject))
 
 
+def others(source: str, subject: Any, count: int) -> Any:
+    """Run so many other trials of the scenario of one that is filmed, and give what became of the prey in them."""
+    import render
+    import tiswarm
+
+    if isinstance(subject, list) or is_live(subject) or source.endswith((".npz", ".json")):
+        raise WrongInput("--among: needs one trial of a preset, of few agents")
+    scenario = subject.scenario
+    hunted = scenario.predators.count > 0 and scenario.world.contact in ("deadly", "eaten")
+    if not (scenario.target.present or hunted):
+        raise WrongInput(f"--among: nothing becomes of prey in {source}; film one with a target or predators")
+    fate = "arrived" if scenario.target.present else "captured"
+    results = tiswarm.simulate(scenario, trials=count + 1, seed=subject.seed)
+    rest = [trial for trial in range(count + 1) if trial != min(subject.trial, count)]
+    return render.Among(fate, getattr(results, fate)[rest])
+
+
 def counted(study: Any, cell: int | None, trial: int, picks: list[str], quiet: bool) -> tuple[Any, str]:
     """Give a recording of a trial that a study counted, and a name for the file."""
     if cell is None:

@@ -10,6 +10,7 @@ import numpy as np
 from tiswarm.engine.choice import engine_of
 from tiswarm.engine.trials import batch
 from tiswarm.engine.trials.batch import Finished, Progress
+from tiswarm.engine.trials.judged import Judged
 from tiswarm.engine.trials.trial import Single
 from tiswarm.engine.trials.ways import notes
 from tiswarm.records.labels import grouped, named
@@ -245,14 +246,19 @@ class Simulation:
         """Run to the end and keep the path from here on."""
         moments: list[tuple[Moment, Moment]] = []
         courses: tuple[list[dict[str, np.ndarray]], list[dict[str, np.ndarray]]] = ([], [])
+        judged = Judged(self._own) if isinstance(self._own, Single) else None
         for both in self:
+            if judged:
+                judged.note()
             if self._terms and moments:
                 for kept, kind in zip(courses, ("prey", "predators"), strict=True):
                     kept.append(self._own.courses(kind))
             moments.append(both)
         prey, predators = (
-            replace(path := Moment.of(own), terms=differences(path.velocity, kept))
-            for own, kept in zip(zip(*moments, strict=True), courses, strict=True)
+            replace(
+                path := Moment.of(own), terms=differences(path.velocity, kept), judged=judged.places[kind] if judged else None
+            )
+            for kind, own, kept in zip(("prey", "predators"), zip(*moments, strict=True), courses, strict=True)
         )
         told = notes(self._own) if isinstance(self._own, Single) else ()
         return Recording(self.scenario, self.seed, self.trial, prey, predators, *self.obstacles, told)

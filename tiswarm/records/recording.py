@@ -38,6 +38,8 @@ class Swarm:
     group: [tick, agent], int, the sub-swarm of agents that split up, or -1.
     terms: name -> [tick, agent, dim], m/s, what each term of the move out of a tick's state added to the velocity; NaN where no
         move followed. Empty unless terms were recorded.
+    judged: [agent, dim], m, where each was when it was judged to be gone, after the move of its last tick, or in it where
+        contact is swept; NaN for those who are not. None where that is not known: of large swarms, and of recordings of before.
     """
 
     position: np.ndarray
@@ -46,6 +48,7 @@ class Swarm:
     state: np.ndarray
     group: np.ndarray
     terms: dict[str, np.ndarray] = field(default_factory=dict)
+    judged: np.ndarray | None = None
 
     @classmethod
     def of(cls, moments: "Sequence[Swarm]") -> "Swarm":
@@ -114,6 +117,7 @@ class Recording:
             swarm = getattr(self, kind)
             arrays |= {f"{kind}_{name}": getattr(swarm, name) for name in _ARRAYS}
             arrays |= {f"{kind}_term_{name}": values for name, values in swarm.terms.items()}
+            arrays |= {f"{kind}_judged": swarm.judged} if swarm.judged is not None else {}
         if self.notes:
             arrays["notes"] = np.array("\n".join(self.notes))
         with replacing(Path(path)) as part, part.open("wb") as file:
@@ -225,6 +229,9 @@ class Recording:
             for term, values in swarm.terms.items():
                 if values.shape != shape or values.dtype.kind != "f":
                     raise ValueError(f"recording: {name} term {term} is not of shape {shape}")
+            judged = swarm.judged
+            if judged is not None and (judged.shape != shape[1:] or not _possible(judged[np.isfinite(judged).any(axis=-1)])):
+                raise ValueError(f"recording: {name} judged is not of shape {shape[1:]}, or holds a number that is none")
             if not (_possible(swarm.velocity[swarm.alive]) and _possible(swarm.position[swarm.alive])):
                 raise ValueError(f"recording: {name} position and velocity are not finite where they are alive")
             if (np.diff(swarm.alive.astype(np.int8), axis=0, prepend=0) > 0).sum(axis=0).max(initial=0) > 1:
@@ -240,7 +247,8 @@ def _swarm(stored: Archive, kind: str) -> Swarm:
     """Read the path of one kind of agents."""
     start = f"{kind}_term_"
     terms = {name.removeprefix(start): stored.read(name) for name in stored.headers if name.startswith(start)}
-    return Swarm(**{name: stored.read(f"{kind}_{name}") for name in _ARRAYS}, terms=terms)
+    judged = stored.read(f"{kind}_judged") if f"{kind}_judged" in stored.headers else None
+    return Swarm(**{name: stored.read(f"{kind}_{name}") for name in _ARRAYS}, terms=terms, judged=judged)
 
 
 _KINDS = {
@@ -262,6 +270,9 @@ def _check_headers(stored: Archive) -> None:
     for kind in ("prey", "predators"):
         shape = stored.headers[f"{kind}_position"].shape
         wanted = {"velocity": shape, "fate": shape[1:2], "state": shape[:2], "group": shape[:2]}
+        judged = stored.headers.get(f"{kind}_judged")
+        if judged is not None and (judged.dtype.kind != "f" or judged.shape != shape[1:]):
+            raise DamagedArchive(f"{kind}_judged has another type or shape than is possible")
         if any(stored.headers[f"{kind}_{name}"].shape != each for name, each in wanted.items()):
             raise DamagedArchive(f"the arrays of {kind} have shapes that do not fit each other")
 

@@ -168,6 +168,15 @@ class Single:
         vectors[rows[self._rows.alive] < 0.5] = np.nan
         return vectors
 
+    def last(self, kind: str) -> tuple[np.ndarray, np.ndarray]:
+        """Give where all agents are, or were judged to be gone, and how far they came in that tick: [agent, dim], m.
+
+        Zeros for the way where contact is judged after the move, and nobody asks.
+        """
+        rows = self._agents(kind)
+        place = rows[self._rows.place].T.astype(np.float64)
+        return place, rows[self._rows.travel].T.astype(np.float64) if self._rows.travel else np.zeros_like(place)
+
     def pull(self, kind: str) -> np.ndarray:
         """Give what the obstacles' fields add to each agent's velocity: [agent, dim], m/s."""
         return self._agents(kind)[self._rows.field].T.astype(np.float64)
