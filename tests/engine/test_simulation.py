@@ -223,3 +223,11 @@ def test_results_say_which_engine_ran_them(tmp_path):
         results = tiswarm.simulate(chase(engine), trials=4)
         assert results.engine == engine
         assert json.loads((results.save(tmp_path / engine) / "manifest.json").read_text())["engine"] == engine
+
+
+def test_a_scenario_may_be_named(f32):
+    named, loaded = (tiswarm.simulate(each, 8) for each in ("delft/avoidance-10", tiswarm.load("delft/avoidance-10")))
+    assert named.success.tolist() == loaded.success.tolist()
+    assert tiswarm.Simulation("delft/avoidance-10").scenario == tiswarm.load("delft/avoidance-10")
+    with pytest.raises(tiswarm.ScenarioError, match="did you mean 'delft/avoidance-10'"):
+        tiswarm.record("delft/avoidence-10")

@@ -20,6 +20,7 @@ from tiswarm.records.results import Results
 from tiswarm.records.terms import differences
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
+from tiswarm.scenario.presets import Subject, loaded
 from tiswarm.scenario.start import Start
 from tiswarm.simd import philox, runtime
 from tiswarm.strategies import registry
@@ -33,13 +34,13 @@ MOST_TRIALS = 100_000_000
 
 
 def simulate(
-    scenario: Scenario,
+    scenario: Subject,
     trials: int = 1000,
     seed: int = 0,
     progress: Progress = False,
     weights: Mapping[str, np.ndarray] | None = None,
 ) -> Results:
-    """Run trials 0, 1, ... of a scenario.
+    """Run trials 0, 1, ... of a scenario, as loaded, or by its name or path.
 
     progress: True shows a bar on a terminal; a function is called with trials done and trials in all.
     weights: path of any numeric key -> [trial], a number for each trial: {"prey.weights.evade": array}.
@@ -47,6 +48,7 @@ def simulate(
     Errors: ValueError for fewer than one trial or a seed out of range; ScenarioError for weights that are not allowed.
     """
     trials, seed = _checked(trials, seed)
+    scenario = loaded(scenario)
     if weights:
         if scenario.world.neighbours == "grid":
             raise ScenarioError("weights: numbers of single trials need all pairs; set world.neighbours to 'all-pairs'")
@@ -117,7 +119,7 @@ class Simulation:
     """
 
     def __init__(
-        self, scenario: Scenario, seed: int = 0, trial: int = 0, start: Start | None = None, *, terms: bool = False
+        self, scenario: Subject, seed: int = 0, trial: int = 0, start: Start | None = None, *, terms: bool = False
     ) -> None:
         """Draw the start from seed and trial number, or take an explicit one, whose counts replace the scenario's.
 
@@ -127,6 +129,7 @@ class Simulation:
         does not fit the world.
         """
         self.seed, self.trial = index(seed), index(trial)
+        scenario = loaded(scenario)
         if start is not None:
             scenario = start.applied(scenario)
         self.engine = engine_of(scenario)
@@ -264,7 +267,7 @@ class Simulation:
         return Recording(self.scenario, self.seed, self.trial, prey, predators, *self.obstacles, told)
 
 
-def record(scenario: Scenario, trial: int = 0, seed: int = 0, start: Start | None = None, *, terms: bool = False) -> Recording:
+def record(scenario: Subject, trial: int = 0, seed: int = 0, start: Start | None = None, *, terms: bool = False) -> Recording:
     """Run one trial and keep its path: the same bits as in a batch of any size.
 
     start: an explicit start state; counts then come from it, not from the scenario.

@@ -15,10 +15,8 @@ from tiswarm.learning.race import Round, rounds
 from tiswarm.learning.search import Method, check_method
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
-from tiswarm.scenario.presets import load
+from tiswarm.scenario.presets import Subject, loaded
 from tiswarm.simd.philox import seed_words
-
-Subject = Scenario | str | os.PathLike
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,7 @@ class Plan:
     ) -> "Plan":
         """Load and check. Errors: ScenarioError for what cannot be."""
         subjects = [scenario] if isinstance(scenario, Scenario | str | os.PathLike) else list(scenario)
-        scenarios = tuple(each if isinstance(each, Scenario) else load(each) for each in subjects)
+        scenarios = tuple(loaded(each) for each in subjects)
         if not scenarios:
             raise ScenarioError("tune: no scenario; name one")
         if across not in get_args(Across):

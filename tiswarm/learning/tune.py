@@ -11,7 +11,7 @@ import numpy as np
 from tiswarm.learning import halving
 from tiswarm.learning.keys import Arm
 from tiswarm.learning.objective import Across, Evaluation, check_trials, scores_of, search_trials
-from tiswarm.learning.plan import Budget, Plan, Subject
+from tiswarm.learning.plan import Budget, Plan
 from tiswarm.learning.race import Round
 from tiswarm.learning.search import Method, Search, check_cmaes, suited
 from tiswarm.learning.store import Store
@@ -19,6 +19,7 @@ from tiswarm.learning.tuned import Check, Generation, Tuned, validated
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
 from tiswarm.scenario.network import Network
+from tiswarm.scenario.presets import Subject
 from tiswarm.system.progress import reporting
 
 CHECKS = 20

@@ -36,6 +36,15 @@ def load(preset: str | os.PathLike, overrides: Mapping[str, Any] | None = None) 
     return scenario
 
 
+Subject = Scenario | str | os.PathLike
+"""A scenario, or the name or path that it is loaded by."""
+
+
+def loaded(subject: Subject) -> Scenario:
+    """Give a scenario, loaded if it is named. Errors: as `load`."""
+    return subject if isinstance(subject, Scenario) else load(subject)
+
+
 def title(preset: str) -> str:
     """Give the title of a preset by name, its counts filled in, without checking the rest of it. Errors: ScenarioError."""
     return titled_table(_table(preset))
