@@ -2,7 +2,7 @@
 
 import importlib.util
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -41,8 +41,6 @@ def bench(
     from tiswarm.cli.progress_table import watching
     from tiswarm.learning import race_rules
     from tiswarm.studies import console, design, export, run
-    from tiswarm.studies.payoffs import contest
-    from tiswarm.system.files import write_text
     from tiswarm.system.owner import locked
 
     if trials is not None and trials < 1:
@@ -63,17 +61,36 @@ def bench(
     with locked(folder):
         with watching(not quiet, stated.measures) as (report_trials, finished):
             report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
-        export.write(report, folder, per_trial, parquet)
-        played = contest(report)
-        if played is not None:
-            write_text(folder / "game.json", played.to_json())
-        can_draw = importlib.util.find_spec("matplotlib") is not None
-        if can_draw:
-            charts.draw(report, folder, played)
+        played = _write(report, folder, per_trial, parquet)
     console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
-        runs = sum(row.trials for row in report.rows)
-        held = len(report.rows) - report.ran
-        note = f" ({held:,} of {len(report.rows):,} cells were there)" if held else ""
-        missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
-        out.print(f"{runs:,} trials in {report.seconds:.1f} s{note}, seed {report.seed}; written to {folder}{missing}")
+        _tell(report, folder)
+
+
+def _write(report: Any, folder: Path, per_trial: bool, parquet: bool) -> Any:
+    """Write tables, game and figures; give the game, None where there is none."""
+    from tiswarm.cli import figures
+    from tiswarm.studies import export
+    from tiswarm.studies.payoffs import contest
+    from tiswarm.system.files import write_text
+
+    export.write(report, folder, per_trial, parquet)
+    played = contest(report)
+    if played is not None:
+        write_text(folder / "game.json", played.to_json())
+    if _can_draw():
+        figures.draw(report, folder, played)
+    return played
+
+
+def _can_draw() -> bool:
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def _tell(report: Any, folder: Path) -> None:
+    """Say what ran and where it was written."""
+    runs = sum(row.trials for row in report.rows)
+    held = len(report.rows) - report.ran
+    note = f" ({held:,} of {len(report.rows):,} cells were there)" if held else ""
+    missing = "" if _can_draw() else " (no figures: pip install 'tiswarm[plot]')"
+    out.print(f"{runs:,} trials in {report.seconds:.1f} s{note}, seed {report.seed}; written to {folder}{missing}")
