@@ -8,7 +8,7 @@ from render.scene.coverage import Coverage
 from render.scene.trajectories import Trajectories
 from render.theme import DARK
 from tiswarm.engine.run import simulate_many
-from tiswarm.measures import recorded
+from tiswarm.measures import ground, recorded
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.measures import MEASURED
 from tiswarm.scenario.model import validated
@@ -163,8 +163,8 @@ def test_a_tool_wider_than_the_world_sweeps_a_cell_but_once(f64):
     keys = {"coverage.cell": 2.0, "coverage.tool": 45.0, "measures.names": ["coverage", "visit-variation"], "prey.count": 1}
     scenario = scenario_of(2, **keys, **{"predators.count": 0, "obstacles.count": 0, "target.present": False})
     results, path = tiswarm.simulate(scenario, 1), tiswarm.record(scenario)
-    assert results.measures["coverage"][0] == recorded.ground(path).share[-1] == 1.0
-    assert (recorded.ground(path).visits == TICKS + 1).all()
+    assert results.measures["coverage"][0] == ground.ground(path).share[-1] == 1.0
+    assert (ground.ground(path).visits == TICKS + 1).all()
     assert results.measures["visit-variation"][0] == 0.0
 
 

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from made import recorded_prey
 from scipy.spatial.distance import pdist
 from sklearn.cluster import DBSCAN
 from sklearn.neighbors import NearestNeighbors
 
 import tiswarm
-from tiswarm.measures import recorded
-from tiswarm.records.recording import Recording, Swarm
+from tiswarm.measures import ground, recorded
+from tiswarm.records.recording import Recording
 from tiswarm.scenario.measures import MEASURED
-from tiswarm.scenario.model import Scenario
 
 GROUND = ("coverage", "visit-variation", "time-to-50", "time-to-90", "time-to-95", "time-to-99")
 ALL = MEASURED
@@ -19,33 +19,12 @@ DEEP = tuple(name for name in BODIES if name != "trapped-milling")
 TRAPS = ("trapped", "trapped-time", "trapped-milling")
 
 
-def _recording(position, velocity=None, obstacles=(), **overrides) -> Recording:
-    """Record prey that nobody hunts; position: [tick, agent, dim] or [agent, dim]; obstacles: (*centre, radius) each."""
-    position = np.array(position, np.float64)
-    position = position if position.ndim == 3 else position[None]
-    velocity = np.zeros_like(position) if velocity is None else np.broadcast_to(np.asarray(velocity, float), position.shape)
-    rows, count, dim = position.shape
-    settings = {"prey.count": count, "obstacles.contact": "count", "target.present": False, "prey.spacing": 1.0}
-    if dim == 3:
-        settings |= {"world.size": [20, 20, 20], "prey.spawn.region": [[0, 0, 0], [1, 1, 1]], "obstacles.count": 0}
-        settings |= {"prey.strategy": "lookout", "prey.spawn.velocity": [[0, 0, 0], [1, 1, 1]]}
-    scenario = Scenario().replaced({**settings, **overrides})
-    velocity = np.where(np.isfinite(position), velocity, np.nan)
-    group = np.full((rows, count), -1)
-    prey = Swarm(position, velocity, np.full(count, "alive"), np.full((rows, count), "calm"), group)
-    nobody = Swarm(*np.zeros((2, rows, 0, dim)), np.zeros(0, str), np.zeros((rows, 0), str), np.zeros((rows, 0), int))
-    stones = np.array(obstacles, float).reshape(-1, dim + 1)
-    recording = Recording(scenario, 0, 0, prey, nobody, stones[:, :-1], stones[:, -1])
-    recording.check()
-    return recording
-
-
 SQUARE = [[11, 11], [9, 11], [9, 9], [11, 9]]
 
 
 class TestByHand:
     def test_four_on_a_square_that_turns_mill_and_have_no_direction(self):
-        turning = _recording(SQUARE, [[-3, 3], [-3, -3], [3, -3], [3, 3]])
+        turning = recorded_prey(SQUARE, [[-3, 3], [-3, -3], [3, -3], [3, 3]])
         assert recorded.milling(turning) == pytest.approx([1])
         assert recorded.polarisation(turning) == pytest.approx([0], abs=1e-12)
         assert recorded.speed(turning) == pytest.approx([3 * np.sqrt(2)])
@@ -53,22 +32,22 @@ class TestByHand:
         assert recorded.nearest(turning) == pytest.approx([2])
 
     def test_parallel_flight_has_one_direction_and_does_not_mill(self):
-        flight = _recording(SQUARE, [[1, 2], [2, 4], [3, 6], [0.5, 1]])
+        flight = recorded_prey(SQUARE, [[1, 2], [2, 4], [3, 6], [0.5, 1]])
         assert recorded.polarisation(flight) == pytest.approx([1])
         assert recorded.milling(flight) == pytest.approx([0], abs=1e-12)
 
     def test_deep_swarms_turn_about_any_axis(self):
         ring = np.array([[0, 1, 1], [0, -1, 1], [0, -1, -1], [0, 1, -1]])
-        turning = _recording(ring + 10, np.cross([1, 0, 0], ring))
+        turning = recorded_prey(ring + 10, np.cross([1, 0, 0], ring))
         assert recorded.milling(turning) == pytest.approx([1])
         assert recorded.polarisation(turning) == pytest.approx([0], abs=1e-12)
 
     def test_standing_prey_have_neither_direction_nor_spin(self):
-        still = _recording(SQUARE)
+        still = recorded_prey(SQUARE)
         assert (recorded.polarisation(still), recorded.milling(still), recorded.speed(still)) == (0, 0, 0)
 
     def test_groups_are_joined_by_chains(self):
-        swarm = _recording([[0, 0], [0, 1], [0, 2], [5, 5], [5, 6]])
+        swarm = recorded_prey([[0, 0], [0, 1], [0, 2], [5, 5], [5, 6]])
         assert recorded.groups(swarm, 1.0) == 2
         assert recorded.groups(swarm, 0.99) == 5
         assert recorded.groups(swarm, 6.0) == 1
@@ -77,33 +56,33 @@ class TestByHand:
     def test_a_pair_sees_itself_across_a_periodic_edge(self):
         place = [[0.5, 10], [99.5, 49.5]]
         edges = {"world.boundary": "periodic", "world.size": [100.0, 50.0]}
-        assert recorded.nearest(_recording(place, **edges)) == pytest.approx([np.hypot(1, 10.5)])
-        assert recorded.nearest(_recording(place)) == pytest.approx([np.hypot(99, 39.5)])
-        assert recorded.groups(_recording(place, **edges), 10.6) == 1
-        assert recorded.groups(_recording(place), 10.6) == 2
-        assert recorded.nearest(_recording([[-1e-18, 5], [100.0, 5]], **edges)) == pytest.approx([0], abs=1e-9)
+        assert recorded.nearest(recorded_prey(place, **edges)) == pytest.approx([np.hypot(1, 10.5)])
+        assert recorded.nearest(recorded_prey(place)) == pytest.approx([np.hypot(99, 39.5)])
+        assert recorded.groups(recorded_prey(place, **edges), 10.6) == 1
+        assert recorded.groups(recorded_prey(place), 10.6) == 2
+        assert recorded.nearest(recorded_prey([[-1e-18, 5], [100.0, 5]], **edges)) == pytest.approx([0], abs=1e-9)
 
     def test_a_pair_has_its_least_energy_at_distance_one(self):
-        assert recorded.potential(_recording([[1, 1], [2, 1]])) == pytest.approx([1])
-        at = [recorded.potential(_recording([[0, 0], [r, 0]]))[0] for r in (0.5, 0.9, 1.1, 2)]
+        assert recorded.potential(recorded_prey([[1, 1], [2, 1]])) == pytest.approx([1])
+        at = [recorded.potential(recorded_prey([[0, 0], [r, 0]]))[0] for r in (0.5, 0.9, 1.1, 2)]
         assert at == pytest.approx([1 / r**2 + np.log(r**2) for r in (0.5, 0.9, 1.1, 2)])
         assert min(at) > 1
 
     def test_energy_counts_lengths_in_spacings(self):
-        pair = _recording([[0, 0], [3, 0]], **{"prey.spacing": 3.0})
+        pair = recorded_prey([[0, 0], [3, 0]], **{"prey.spacing": 3.0})
         assert recorded.potential(pair) == pytest.approx([9])
 
     def test_energy_is_constant_beyond_perception(self):
-        far = [recorded.potential(_recording([[0, 0], [r, 0]], **{"prey.perception": 2.0})) for r in (2, 3, 50)]
+        far = [recorded.potential(recorded_prey([[0, 0], [r, 0]], **{"prey.perception": 2.0})) for r in (2, 3, 50)]
         assert far == pytest.approx([0.25 + np.log(4)] * 3)
 
     def test_a_triangle_has_three_pairs(self):
         corners = np.array([[0, 0], [1, 0], [0.5, np.sqrt(0.75)]])
-        assert recorded.potential(_recording(corners)) == pytest.approx([3])
-        assert recorded.nearest(_recording(corners)) == pytest.approx([1])
+        assert recorded.potential(recorded_prey(corners)) == pytest.approx([3])
+        assert recorded.nearest(recorded_prey(corners)) == pytest.approx([1])
 
     def test_pairs_of_large_swarms_are_counted_once(self, monkeypatch):
-        swarm = _recording(np.random.default_rng(3).uniform(0, 30, (100, 2)), **{"prey.perception": 12.0})
+        swarm = recorded_prey(np.random.default_rng(3).uniform(0, 30, (100, 2)), **{"prey.perception": 12.0})
         whole = recorded.potential(swarm)
         monkeypatch.setattr(recorded, "ROWS", 7)
         assert recorded.potential(swarm) == pytest.approx(whole, rel=1e-12)
@@ -112,7 +91,7 @@ class TestByHand:
 
     def test_what_nobody_or_a_single_one_cannot_have_is_no_number(self):
         nan = np.nan
-        thinning = _recording([[[1, 1], [2, 1]], [[1, 1], [nan, nan]], [[nan, nan], [nan, nan]]], [[1, 0], [1, 0]])
+        thinning = recorded_prey([[[1, 1], [2, 1]], [[1, 1], [nan, nan]], [[nan, nan], [nan, nan]]], [[1, 0], [1, 0]])
         for name in ("polarisation", "milling", "speed", "kinetic", "potential", "groups"):
             assert np.isnan(recorded.MEANS[name](thinning)).tolist() == [False, False, True], name
         assert np.isnan(recorded.nearest(thinning)).tolist() == [False, True, True]
@@ -124,20 +103,20 @@ class TestByHand:
     def test_prey_inside_an_obstacle_are_counted_once_and_not_at_the_start(self):
         path = [[[5, 5], [1, 1]], [[1, 1], [5, 5]], [[1, 1], [5, 8]], [[5, 5], [5, 8]], [[5, 5], [5, 5]]]
         stones = {"obstacles": [(5, 5, 1.0)], "prey.radius": 0.5}
-        assert recorded.hits(_recording(path, **stones)).tolist() == [0, 1, 1, 2, 2]
+        assert recorded.hits(recorded_prey(path, **stones)).tolist() == [0, 1, 1, 2, 2]
 
     def test_means_are_over_the_states_from_after_on(self):
         speeds = np.array([1, 2, 6])[:, None, None] * [1, 0]
-        trial = _recording(np.ones((3, 1, 2)), speeds, **{"measures.after": 1})
+        trial = recorded_prey(np.ones((3, 1, 2)), speeds, **{"measures.after": 1})
         assert recorded.measured(trial, "speed") == 4
-        late = _recording(np.ones((3, 1, 2)), speeds, **{"measures.after": 3})
+        late = recorded_prey(np.ones((3, 1, 2)), speeds, **{"measures.after": 3})
         assert np.isnan([recorded.measured(late, name) for name in BODIES if name not in TRAPS]).all()
 
     def test_what_cannot_be_measured_is_told_in_one_line(self):
         with pytest.raises(ValueError, match="unknown 'polarization'; did you mean 'polarisation'"):
-            recorded.measured(_recording(SQUARE), "polarization")
+            recorded.measured(recorded_prey(SQUARE), "polarization")
         with pytest.raises(ValueError, match=r"set coverage\.cell"):
-            recorded.measured(_recording(SQUARE), "coverage")
+            recorded.measured(recorded_prey(SQUARE), "coverage")
 
 
 FLOOR = {"world.size": [10.0, 6.0], "coverage.cell": 0.05, "coverage.tool": 0.7}
@@ -146,7 +125,7 @@ FLOOR = {"world.size": [10.0, 6.0], "coverage.cell": 0.05, "coverage.tool": 0.7}
 class TestGround:
     def test_a_straight_drive_sweeps_a_stadium(self):
         x = np.linspace(2, 8, 301)  # steps of 0.02 m
-        drive = _recording(np.stack([x, np.full(301, 3.01)], axis=1)[:, None], **FLOOR)
+        drive = recorded_prey(np.stack([x, np.full(301, 3.01)], axis=1)[:, None], **FLOOR)
         share = recorded.coverage(drive)
         length, radius, area = x - x[0], 0.7, 60
         stadium = (2 * radius * length + np.pi * radius**2) / area
@@ -156,8 +135,8 @@ class TestGround:
         assert (np.diff(share) >= 0).all()
 
     def test_standing_still_sweeps_a_disc_again_and_again(self):
-        still = _recording(np.full((5, 1, 2), 3.0), **FLOOR)
-        found = recorded.ground(still)
+        still = recorded_prey(np.full((5, 1, 2), 3.0), **FLOOR)
+        found = ground.ground(still)
         assert found.share == pytest.approx([np.pi * 0.49 / 60] * 5, rel=0.01)
         assert set(np.unique(found.visits)) == {0, 5}
         assert found.variation == pytest.approx([np.sqrt(1 / found.share[0] - 1)] * 5)  # of a share p of ones: √(1/p - 1)
@@ -165,32 +144,32 @@ class TestGround:
     def test_evenly_visited_ground_has_no_variation_and_unvisited_ground_none_at_all(self):
         tiny = {"world.size": [2.0, 2.0], "coverage.cell": 1.0, "coverage.tool": 0.6}
         rounds = [[[0.5, 0.5]], [[1.5, 0.5]], [[1.5, 1.5]], [[0.5, 1.5]]]
-        assert recorded.ground(_recording(rounds, **tiny)).variation == pytest.approx([np.sqrt(3), 1, np.sqrt(1 / 3), 0])
-        aside = recorded.ground(_recording([[[1.0, 1.0]]], **{**tiny, "coverage.tool": 0.1}))
+        assert ground.ground(recorded_prey(rounds, **tiny)).variation == pytest.approx([np.sqrt(3), 1, np.sqrt(1 / 3), 0])
+        aside = ground.ground(recorded_prey([[[1.0, 1.0]]], **{**tiny, "coverage.tool": 0.1}))
         assert np.isnan(aside.variation).all()
         assert aside.share == 0
 
     def test_two_tools_on_one_cell_are_two_visits(self):
         tiny = {"world.size": [2.0, 1.0], "coverage.cell": 1.0, "coverage.tool": 0.4}
-        assert recorded.ground(_recording([[0.5, 0.5], [0.6, 0.5]], **tiny)).visits.tolist() == [[2, 0]]
+        assert ground.ground(recorded_prey([[0.5, 0.5], [0.6, 0.5]], **tiny)).visits.tolist() == [[2, 0]]
 
     def test_cells_under_obstacles_and_outside_the_world_do_not_count(self):
         odd = {"world.size": [2.4, 1.0], "coverage.cell": 1.0, "coverage.tool": 0.4}
-        found = recorded.ground(_recording([[0.5, 0.5]], **odd, obstacles=[(1.5, 0.5, 0.2)]))
+        found = ground.ground(recorded_prey([[0.5, 0.5]], **odd, obstacles=[(1.5, 0.5, 0.2)]))
         assert found.visits.tolist() == [[1, -1, -1]]
         assert found.share == 1
 
     def test_times_are_when_a_share_was_passed(self):
         tiny = {"world.size": [4.0, 1.0], "coverage.cell": 1.0, "coverage.tool": 0.4, "world.dt": 0.5}
-        trial = _recording([[[0.5, 0.5]], [[1.5, 0.5]], [[2.5, 0.5]]], **tiny)
+        trial = recorded_prey([[[0.5, 0.5]], [[1.5, 0.5]], [[2.5, 0.5]]], **tiny)
         assert recorded.time_to(trial, 0.5) == 0.5
         assert recorded.measured(trial, "time-to-50") == 0.5
         assert np.isnan(recorded.measured(trial, "time-to-90"))
         assert recorded.measured(trial, "coverage") == 0.75
 
     def test_tools_reach_over_walls_only_in_vain(self):
-        corner = _recording([[0.1, 0.1], [9.95, 5.9]], **{**FLOOR, "coverage.tool": 4.0})
-        visits = recorded.ground(corner).visits
+        corner = recorded_prey([[0.1, 0.1], [9.95, 5.9]], **{**FLOOR, "coverage.tool": 4.0})
+        visits = ground.ground(corner).visits
         y, x = np.indices(visits.shape) * 0.05 + 0.025
         expected = sum(((x - cx) ** 2 + (y - cy) ** 2 <= 16).astype(int) for cx, cy in corner.prey.position[0])
         np.testing.assert_array_equal(visits, expected)
@@ -199,14 +178,14 @@ class TestGround:
 class TestAgainstLibraries:
     @pytest.mark.parametrize("dim", [2, 3])
     def test_nearest_neighbours(self, dim):
-        swarm = _recording(np.random.default_rng(dim).uniform(0, 20, (3, 60, dim)))
+        swarm = recorded_prey(np.random.default_rng(dim).uniform(0, 20, (3, 60, dim)))
         for tick, places in enumerate(swarm.prey.position):
             expected = NearestNeighbors(n_neighbors=2, algorithm="brute").fit(places).kneighbors()[0][:, 0]
             np.testing.assert_allclose(recorded.neighbour_distances(swarm)[tick], expected, rtol=1e-6)
             assert recorded.nearest(swarm)[tick] == pytest.approx(expected.mean(), rel=1e-6)
 
     def test_nearest_neighbours_in_a_periodic_world(self):
-        swarm = _recording(np.random.default_rng(5).uniform(0, 20, (1, 40, 2)), **{"world.boundary": "periodic"} | PERIODIC)
+        swarm = recorded_prey(np.random.default_rng(5).uniform(0, 20, (1, 40, 2)), **{"world.boundary": "periodic"} | PERIODIC)
         places = swarm.prey.position[0]
         images = np.concatenate([places + np.array([x, y]) for x in (-20, 0, 20) for y in (-20, 0, 20)])
         expected = NearestNeighbors(n_neighbors=2).fit(images).kneighbors(places)[0][:, 1]
@@ -214,7 +193,7 @@ class TestAgainstLibraries:
 
     @pytest.mark.parametrize("distance", [0.5, 1.5, 2.5, 4.0])
     def test_groups(self, distance):
-        swarm = _recording(np.random.default_rng(8).uniform(0, 20, (4, 50, 2)))
+        swarm = recorded_prey(np.random.default_rng(8).uniform(0, 20, (4, 50, 2)))
         expected = [len(set(DBSCAN(eps=distance, min_samples=1).fit(places).labels_)) for places in swarm.prey.position]
         assert recorded.groups(swarm, distance).tolist() == expected
 
@@ -248,7 +227,7 @@ class TestKernelAgainstRecording:
         own = {"world.ticks": 250, "measures.distance": 40.0, "coverage.cell": 9.0, **stones}
         recording = _agree("sanitation/boids", ALL, **own)
         assert recorded.coverage(recording)[-1] > 0.5
-        assert (recorded.ground(recording).visits < 0).sum() > 20
+        assert (ground.ground(recording).visits < 0).sum() > 20
 
     def test_robots_on_two_wheels_whose_touches_are_counted(self):
         own = {"world.ticks": 600, "obstacles.count": 4, "obstacles.contact": "count", "measures.distance": 0.3}
@@ -305,9 +284,9 @@ def test_settling_and_overshoot_of_a_swing_worked_by_hand():
     pace = np.array([0.0, 1.0, 0.5, 0.06, 0.04, 0.05])
     position = np.stack([np.stack([-apart / 2, 0 * apart], 1), np.stack([apart / 2, 0 * apart], 1)], axis=1) + 10.0
     velocity = np.stack([np.stack([pace, 0 * pace], 1)] * 2, axis=1)
-    recording = _recording(position, velocity, **{"world.dt": 0.5})
+    recording = recorded_prey(position, velocity, **{"world.dt": 0.5})
     assert recorded.settling_time(recording) == pytest.approx(3 * 0.5)  # 0.05 is no more than a twentieth of 1
     assert recorded.overshoot(recording) == pytest.approx(2.6 / 2.0 - 1)
     assert recorded.settling_time(recording, after=4) == pytest.approx(5 * 0.5)  # of 0.05, the greatest from there on
-    still = _recording(position, 0 * velocity)
+    still = recorded_prey(position, 0 * velocity)
     assert recorded.settling_time(still) == 0.0

@@ -1,56 +1,18 @@
 """Worlds of other kinds: periodic, walled, deep; without target, predators or obstacles."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from handmade import SIZE, path, picture, world
 
 import render
-import tiswarm
 from render.captions.caption import counters
 from render.composition import Composition
 from render.scene.background import Field, reaching_in
-from render.scene.camera import Orbit
 from render.scene.coverage import Cells
-from render.scene.depths import depths
 from render.source import is_sky
 from render.style import Look
 from tiswarm.measures import recorded
-from tiswarm.records.recording import Recording, Swarm
-
-SIZE = (400, 240)
-NOBODY = Swarm(
-    np.zeros((1, 0, 2)), np.zeros((1, 0, 2)), np.zeros(0, "<U8"), np.zeros((1, 0), "<U12"), np.zeros((1, 0), np.int32)
-)
-
-
-def path(position: np.ndarray, step: np.ndarray, group: int = -1) -> Swarm:
-    """Give a swarm from places [tick, agent, dim] and one velocity for all."""
-    rows, count, _ = position.shape
-    state, fate = np.full((rows, count), "calm", dtype="<U12"), np.full(count, "alive", dtype="<U8")
-    return Swarm(position, np.broadcast_to(step, position.shape).copy(), fate, state, np.full((rows, count), group, np.int32))
-
-
-def world(prey: Swarm, predators: Swarm | None = None, obstacles: int = 0, **changes: object) -> Recording:
-    rows, dim = prey.position.shape[0], prey.position.shape[2]
-    if predators is None:
-        predators = path(np.zeros((rows, 0, dim)), np.zeros(dim))
-    size = [40, 20, 12][:dim]
-    box = {"region": [[0] * dim, size], "velocity": [[0] * dim, [1] * dim]}
-    plain = {
-        "world.size": size,
-        "world.areas": [],
-        "prey.spawn": box,
-        "predators.spawn": box,
-        "prey.avoidance": "none",
-        "obstacles.count": 0,
-        "obstacles.region": box["region"],
-        "target.present": False,
-        "target.position": [s / 2 for s in size],
-    }
-    scenario = tiswarm.load("delft/pronav-0", plain | {"predators.count": 0} | changes)
-    at = np.random.default_rng(3).uniform(3, 9, (obstacles, dim))
-    return Recording(scenario, 0, 0, prey, predators, at, np.full(obstacles, 1.5))
+from tiswarm.records.recording import Recording
 
 
 def crossing(dim: int = 2) -> Recording:
@@ -59,11 +21,6 @@ def crossing(dim: int = 2) -> Recording:
     position = np.full((11, 1, dim), 10.0)
     position[:, 0, 0] = x
     return world(path(position, np.eye(dim)[0]), **{"world.boundary": "periodic"})
-
-
-def picture(recording: Recording, time: float, size=SIZE, **look: object) -> tuple[Composition, np.ndarray]:
-    stage = Composition(recording, size, Look(**look), yuv=False)  # type: ignore[arg-type]
-    return stage, stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3).astype(int)
 
 
 def what_moves(recording: Recording, time: float, **look: object) -> tuple[Composition, np.ndarray]:
@@ -259,50 +216,3 @@ def test_what_reaches_across_a_periodic_edge_is_drawn_on_both_sides():
     assert len(reaching_in(walls, centres, radii)[0]) == 3
     deep = world(path(np.full((2, 1, 3), 10.0), np.zeros(3)), **{"world.boundary": "periodic"})
     assert sorted(reaching_in(deep, room, wide)[0][:, 0].tolist()) == [0.5, 40.5]
-
-
-def school(apart: float = 1.0) -> Recording:
-    """Let twenty fish swim out of an open world of 40 m x 20 m x 12 m for good, upwards, too."""
-    offsets = np.random.default_rng(2).uniform(-apart, apart, (20, 3))
-    way = np.array([20.0, 10.0, 6.0]) + np.arange(60.0)[:, None] * (3.0, 1.0, 2.0)
-    return world(path(way[:, None] + offsets, np.array([3.0, 1.0, 2.0])))
-
-
-@pytest.mark.parametrize("size", [(400, 240), (240, 240), (180, 320)])
-def test_a_camera_goes_with_a_school_that_leaves_an_open_space_for_good(size):
-    stage = Composition(school(), size, Look(), yuv=False)
-    edges = stage.boxes[0]
-    for time in (0.0, 13.0, 30.5, 59.0):
-        spots = stage.rigs[0].at(time).place(stage.scene.paths.spots(time))
-        inside = (spots > (edges.left, edges.top)) & (spots < (edges.right, edges.bottom))
-        assert inside.all(axis=1).mean() > 0.9, "most are seen"
-        assert np.ptp(spots, axis=0).max() > 0.3 * min(edges.width, edges.height), "and not from afar"
-    still = world(path(np.full((9, 20, 3), 6.0), np.zeros(3)), **{"target.present": True})
-    assert (Composition(still, size, Look(), yuv=False).rigs[0].at(0.0).centre == (20, 10, 6)).all()
-
-
-def test_motes_stand_still_in_a_space_without_ground():
-    stage, image = picture(school(), 20.0)
-    camera = stage.rigs[0].at(20.0)
-    assert isinstance(camera, Orbit)
-    window = np.array([150.0, 0.0, 400.0, 240.0])
-    there = depths(stage.scene.theme, 1.0, camera, window)
-    further = depths(stage.scene.theme, 1.0, replace(camera, centre=camera.centre + 0.1), window)
-    assert len(there) > 50
-    assert 0 < len(further) - 0.5 * len(there) < len(there), "most are the same ones, seen from elsewhere"
-    moved = picture(school(), 20.5)[1]
-    assert (np.abs(image - moved).max(axis=2) > 8).any()
-
-
-def test_several_schools_are_each_followed_at_one_scale():
-    other = school(apart=3.0)
-    stage = Composition([school(), other], (480, 240), Look(), yuv=False)
-    cameras = [held.at(40.0) for held in stage.rigs]
-    assert cameras[0].scale == cameras[1].scale
-    joint = stage._camera(40.0)
-    spots = joint.place(stage.scene.paths.spots(40.0))
-    for n, edges in enumerate(stage.boxes):
-        mine = spots[stage.scene.paths.scene == n]
-        assert edges.left < mine[:, 0].mean() < edges.right
-        assert edges.top < mine[:, 1].mean() < edges.bottom
-    assert len(np.unique(stage.frame(40.0, stage.canvas.blank()))) > 30

@@ -5,7 +5,7 @@ import pytest
 
 import render
 import tiswarm
-from tiswarm.measures import recorded
+from tiswarm.measures import ground
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import validated
 
@@ -81,8 +81,8 @@ def test_both_engines_reflect_alike(dim, f64):
 def test_only_ground_inside_the_circle_counts(f64):
     keys = {"coverage.cell": 0.5, "coverage.tool": 30.0, "measures.names": ["coverage"], "world.ticks": 3}
     own = scenario(**keys)
-    ground = recorded.ground(tiswarm.record(own))
-    assert (ground.visits >= 0).sum() * 0.25 == pytest.approx(np.pi * 100, rel=0.02)
+    swept = ground.ground(tiswarm.record(own))
+    assert (swept.visits >= 0).sum() * 0.25 == pytest.approx(np.pi * 100, rel=0.02)
     assert tiswarm.simulate(own, 1).measures["coverage"][0] == 1.0
 
 

@@ -3,7 +3,7 @@
 import importlib.util
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -43,13 +43,12 @@ def bench(
     quiet: Quiet = False,
 ) -> None:
     """Run a study, all its cells: text, CSV, manifest, figures. A run that was cut short goes on where it stopped."""
+    # Long: a verb's signature is its help.
     from tiswarm.cli import figures as charts
     from tiswarm.cli import race
     from tiswarm.cli.progress_table import watching
     from tiswarm.learning import race_rules
     from tiswarm.studies import console, design, export, run
-    from tiswarm.studies.payoffs import contest
-    from tiswarm.system.files import write_text
     from tiswarm.system.owner import locked
 
     if trials is not None and trials < 1:
@@ -78,18 +77,36 @@ def bench(
             report_trials, finished = held.enter_context(watching(not quiet, stated.measures, workers))
             run_cells = workers.run if workers is not None else None
             report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn, run_cells)
-        export.write(report, folder, per_trial, parquet)
-        played = contest(report)
-        if played is not None:
-            write_text(folder / "game.json", played.to_json())
-        can_draw = importlib.util.find_spec("matplotlib") is not None
-        if can_draw:
-            charts.draw(report, folder, played)
+        played = _write(report, folder, per_trial, parquet)
     console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
-        runs = sum(row.trials for row in report.rows)
-        there = len(report.rows) - report.ran
-        note = f" ({there:,} of {len(report.rows):,} cells were there)" if there else ""
-        missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
-        on = f" on {workers.most} workers" if workers is not None else ""
-        out.print(f"{runs:,} trials in {report.seconds:.1f} s{on}{note}, seed {report.seed}; written to {folder}{missing}")
+        _tell(report, folder, f" on {workers.most} workers" if workers is not None else "")
+
+
+def _write(report: Any, folder: Path, per_trial: bool, parquet: bool) -> Any:
+    """Write tables, game and figures; give the game, None where there is none."""
+    from tiswarm.cli import figures
+    from tiswarm.studies import export
+    from tiswarm.studies.payoffs import contest
+    from tiswarm.system.files import write_text
+
+    export.write(report, folder, per_trial, parquet)
+    played = contest(report)
+    if played is not None:
+        write_text(folder / "game.json", played.to_json())
+    if _can_draw():
+        figures.draw(report, folder, played)
+    return played
+
+
+def _can_draw() -> bool:
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def _tell(report: Any, folder: Path, on: str) -> None:
+    """Say what ran, on what, and where it was written."""
+    runs = sum(row.trials for row in report.rows)
+    there = len(report.rows) - report.ran
+    note = f" ({there:,} of {len(report.rows):,} cells were there)" if there else ""
+    missing = "" if _can_draw() else " (no figures: pip install 'tiswarm[plot]')"
+    out.print(f"{runs:,} trials in {report.seconds:.1f} s{on}{note}, seed {report.seed}; written to {folder}{missing}")

@@ -84,12 +84,17 @@ def replay(
         recordings, labels, name = [_loaded(each) for each in places], [each.stem for each in places], places[0].stem
     path = render.replay(recordings, output or Path("out") / f"{name}.html", labels=labels, **chosen)
     if not quiet:
-        count = f"{len(recordings)} recordings, " if len(recordings) > 1 else ""
-        size = path.stat().st_size
-        hint = "a film suits so many agents better" if size > HEAVY else "opens in any browser, needs no network"
-        out.print(f"{path}  ({count}{size / 1000:.0f} kB; {hint})")
+        _tell(path, len(recordings))
     if open_it and not webbrowser.open(path.resolve().as_uri()):
         raise WrongInput(f"--open: no browser found; open {path} yourself")
+
+
+def _tell(path: Path, count: int) -> None:
+    """Say what was written."""
+    many = f"{count} recordings, " if count > 1 else ""
+    size = path.stat().st_size
+    hint = "a film suits so many agents better" if size > HEAVY else "opens in any browser, needs no network"
+    out.print(f"{path}  ({many}{size / 1000:.0f} kB; {hint})")
 
 
 def _add(folder: Path) -> None:

@@ -59,16 +59,7 @@ class ParameterTable:
             ),
         )
         for kind in ("prey", "predators"):
-            names = [*_AGENT_NUMBERS, *(["ahead", "max_turn"] if kind in structure.frame.unicycles else [])]
-            names += ["min_speed"] if kind in structure.frame.slow else []
-            names += ["field_of_view"] if kind in frame.narrow else []
-            names += ["nearest"] if kind in frame.choosy else []
-            columns = {name: self._column(f"{kind}.{name}") for name in names}
-            columns |= {"apart": self._column(f"{kind}.spawn.apart")} if kind in frame.apart else {}
-            columns |= {"view": self._column(f"{kind}:view")} if kind in frame.narrow else {}  # of that field, its least cosine
-            spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
-            period = {f"period_{'xyz'[k]}": self.at.size[k] for k in self.axes}
-            setattr(self.at, kind, SimpleNamespace(**columns, **spawn, **period))
+            setattr(self.at, kind, self._agents(kind))
         if self.rows.trap:
             self.at.trap = SimpleNamespace(**{name: self._column(f"measures.{name}") for name in ("window", "within", "path")})
         self._parts: list[SimpleNamespace] = []
@@ -94,6 +85,20 @@ class ParameterTable:
             self.agent_rows[kind] += len(self.commands[kind])
         self.filled_rows = self.agent_rows
         self.agent_rows = {kind: count | 1 for kind, count in self.filled_rows.items()}  # odd: see lanes.bounded
+
+    def _agents(self, kind: str) -> SimpleNamespace:
+        """Give the columns of a kind's own numbers."""
+        frame = self.structure.frame
+        names = [*_AGENT_NUMBERS, *(["ahead", "max_turn"] if kind in frame.unicycles else [])]
+        names += ["min_speed"] if kind in frame.slow else []
+        names += ["field_of_view"] if kind in frame.narrow else []
+        names += ["nearest"] if kind in frame.choosy else []
+        columns = {name: self._column(f"{kind}.{name}") for name in names}
+        columns |= {"apart": self._column(f"{kind}.spawn.apart")} if kind in frame.apart else {}
+        columns |= {"view": self._column(f"{kind}:view")} if kind in frame.narrow else {}  # of that field, its least cosine
+        spawn = {name: self._box(f"{kind}.spawn.{name}") for name in ("region", "velocity")}
+        period = {f"period_{'xyz'[k]}": self.at.size[k] for k in self.axes}
+        return SimpleNamespace(**columns, **spawn, **period)
 
     def _column(self, path: str) -> int:
         self.paths.append(path)

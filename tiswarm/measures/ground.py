@@ -1,9 +1,12 @@
-"""Ground: which cells can be swept, and how evenly they were, in NumPy."""
+"""Ground: which cells can be swept, how evenly they were, and what a recording swept of it, in NumPy."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
+from tiswarm.records.recording import Recording
 from tiswarm.space import box
 
 
@@ -25,3 +28,71 @@ def variation(total: np.ndarray, squares: np.ndarray, count: int) -> np.ndarray:
     mean = total / count
     spread = np.sqrt(np.maximum(squares / count - mean**2, 0.0))
     return np.divide(spread, mean, out=np.full(np.shape(mean), np.nan), where=mean > 0)
+
+
+def states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Give tick, who is alive [agent], and their places [alive, dim], of the states in which at least so many are."""
+    for tick, here in enumerate(recording.prey.alive):
+        if here.sum() >= least:
+            yield tick, here, recording.prey.position[tick, here]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The ground that prey swept with their tools.
+
+    share: [tick], how much of it has been swept; variation: [tick], coefficient of variation of the cells' visits, NaN before
+    the first; visits: [row, column], in how many states how many tools lay on a cell's centre, -1 where there is no ground.
+    """
+
+    share: np.ndarray
+    variation: np.ndarray
+    visits: np.ndarray
+
+
+def ground(recording: Recording) -> Ground:
+    """Sweep the grid of scenario.coverage. Errors: ValueError when the scenario has none."""
+    side = recording.scenario.coverage.cell
+    if not side:
+        raise ValueError("coverage: the scenario has no grid; set coverage.cell")
+    world = recording.scenario.world
+    free = free_cells(side, world.size, world.boundary, recording.obstacle_position, recording.obstacle_radius)
+    down, across = free.shape
+    reach = recording.scenario.coverage.tool / side
+    window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
+    visits = np.zeros(free.size)
+    swept, total, squares = np.zeros((3, recording.ticks + 1))
+    for tick, _, places in states(recording):
+        x, y = (box.images(places, recording.period) / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
+        columns, rows = (np.maximum(np.ceil(each - reach), 0).astype(int) + window for each in (x, y))
+        off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
+        if recording.period.any():  # a tool wider than the world is under a cell but once
+            half_x, half_y = recording.period / side / 2
+            near_x, near_y = ((way <= half) & (-half < way) for way, half in ((columns - x, half_x), (rows - y, half_y)))
+            off[~(near_x[:, None, :] & near_y[:, :, None])] = np.inf
+        under = (off <= reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
+        cells = (rows[:, :, None] * across + columns[:, None, :])[under]
+        cells, times = np.unique(cells[free.flat[cells]], return_counts=True)
+        swept[tick] = (visits[cells] == 0).sum()
+        total[tick] = times.sum()
+        squares[tick] = (times * (2 * visits[cells] + times)).sum()
+        visits[cells] += times
+    count = max(int(free.sum()), 1)
+    spread = variation(total.cumsum(), squares.cumsum(), count)
+    return Ground(swept.cumsum() / count, spread, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
+
+
+def coverage(recording: Recording) -> np.ndarray:
+    """Give the share of the ground that has been swept: [tick], 0 to 1."""
+    return ground(recording).share
+
+
+def visit_variation(recording: Recording) -> np.ndarray:
+    """Give the coefficient of variation of how often cells were visited: [tick], NaN before the first visit."""
+    return ground(recording).variation
+
+
+def time_to(recording: Recording, share: float) -> float:
+    """Give when this share of the ground had been swept [s], NaN when it never was."""
+    ticks = np.flatnonzero(coverage(recording) >= share)
+    return float(ticks[0] * recording.scenario.world.dt) if len(ticks) else float("nan")

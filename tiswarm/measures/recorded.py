@@ -1,7 +1,6 @@
 """Recorded: what a recording shows, tick by tick, in NumPy; of the same trial running.py measures the same in the kernel."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -9,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from tiswarm.measures.deadlocks import trapped, trapped_milling, trapped_time
-from tiswarm.measures.ground import free_cells, variation
+from tiswarm.measures.ground import coverage, states, time_to, visit_variation
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.measures import CHANGED, MEASURED, SETTLED, STILL
 from tiswarm.space import box
@@ -64,7 +63,7 @@ def potential(recording: Recording) -> np.ndarray:
     prey = recording.scenario.prey
     spacing2, reach2 = max(prey.spacing**2, TINY), prey.perception**2
     energy = np.full(recording.ticks + 1, np.nan)
-    for tick, _, places in _states(recording):
+    for tick, _, places in states(recording):
         energy[tick] = 0.0
         for first in range(0, len(places), ROWS):
             away = recording.shortest(places[first : first + ROWS, None] - places)
@@ -80,7 +79,7 @@ def neighbour_distances(recording: Recording) -> np.ndarray:
     In a periodic world it is measured across the edges where that is shorter.
     """
     distances = np.full(recording.prey.alive.shape, np.nan)
-    for tick, here, places in _states(recording, least=2):
+    for tick, here, places in states(recording, least=2):
         tree = _tree(places, recording)
         distances[tick, here] = tree.query(tree.data, k=2)[0][:, 1]
     return distances
@@ -134,7 +133,7 @@ def groups(recording: Recording, distance: float | None = None) -> np.ndarray:
     """
     reach = recording.scenario.measures.distance if distance is None else distance
     count = np.full(recording.ticks + 1, np.nan)
-    for tick, _, places in _states(recording):
+    for tick, _, places in states(recording):
         first, second = _tree(places, recording).query_pairs(reach, output_type="ndarray").T
         joined = coo_array((np.ones(len(first), bool), (first, second)), shape=(len(places), len(places)))
         count[tick] = connected_components(joined, directed=False, return_labels=False)
@@ -151,67 +150,6 @@ def hits(recording: Recording) -> np.ndarray:
         size = recording.scenario.prey.radius + radius
         touched[1:] |= (recording.shortest(position[1:] - centre) ** 2).sum(axis=-1) < size**2
     return np.logical_or.accumulate(touched).sum(axis=1).astype(np.float64)
-
-
-@dataclass(frozen=True)
-class Ground:
-    """The ground that prey swept with their tools.
-
-    share: [tick], how much of it has been swept; variation: [tick], coefficient of variation of the cells' visits, NaN before
-    the first; visits: [row, column], in how many states how many tools lay on a cell's centre, -1 where there is no ground.
-    """
-
-    share: np.ndarray
-    variation: np.ndarray
-    visits: np.ndarray
-
-
-def ground(recording: Recording) -> Ground:
-    """Sweep the grid of scenario.coverage. Errors: ValueError when the scenario has none."""
-    side = recording.scenario.coverage.cell
-    if not side:
-        raise ValueError("coverage: the scenario has no grid; set coverage.cell")
-    world = recording.scenario.world
-    free = free_cells(side, world.size, world.boundary, recording.obstacle_position, recording.obstacle_radius)
-    down, across = free.shape
-    reach = recording.scenario.coverage.tool / side
-    window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
-    visits = np.zeros(free.size)
-    swept, total, squares = np.zeros((3, recording.ticks + 1))
-    for tick, _, places in _states(recording):
-        x, y = (box.images(places, recording.period) / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
-        columns, rows = (np.maximum(np.ceil(each - reach), 0).astype(int) + window for each in (x, y))
-        off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
-        if recording.period.any():  # a tool wider than the world is under a cell but once
-            half_x, half_y = recording.period / side / 2
-            near_x, near_y = ((way <= half) & (-half < way) for way, half in ((columns - x, half_x), (rows - y, half_y)))
-            off[~(near_x[:, None, :] & near_y[:, :, None])] = np.inf
-        under = (off <= reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
-        cells = (rows[:, :, None] * across + columns[:, None, :])[under]
-        cells, times = np.unique(cells[free.flat[cells]], return_counts=True)
-        swept[tick] = (visits[cells] == 0).sum()
-        total[tick] = times.sum()
-        squares[tick] = (times * (2 * visits[cells] + times)).sum()
-        visits[cells] += times
-    count = max(int(free.sum()), 1)
-    spread = variation(total.cumsum(), squares.cumsum(), count)
-    return Ground(swept.cumsum() / count, spread, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
-
-
-def coverage(recording: Recording) -> np.ndarray:
-    """Give the share of the ground that has been swept: [tick], 0 to 1."""
-    return ground(recording).share
-
-
-def visit_variation(recording: Recording) -> np.ndarray:
-    """Give the coefficient of variation of how often cells were visited: [tick], NaN before the first visit."""
-    return ground(recording).variation
-
-
-def time_to(recording: Recording, share: float) -> float:
-    """Give when this share of the ground had been swept [s], NaN when it never was."""
-    ticks = np.flatnonzero(coverage(recording) >= share)
-    return float(ticks[0] * recording.scenario.world.dt) if len(ticks) else float("nan")
 
 
 def settling_time(recording: Recording, after: int = 0) -> float:
@@ -306,13 +244,6 @@ def _mean(total: np.ndarray, counted: np.ndarray) -> np.ndarray:
     """Divide totals [tick] by how many agents are counted [tick, agent], NaN where none is."""
     count = counted.sum(axis=1)
     return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
-
-
-def _states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Give tick, who is alive [agent], and their places [alive, dim], of the states in which at least so many are."""
-    for tick, here in enumerate(recording.prey.alive):
-        if here.sum() >= least:
-            yield tick, here, recording.prey.position[tick, here]
 
 
 def _tree(places: np.ndarray, recording: Recording) -> KDTree:

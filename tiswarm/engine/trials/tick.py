@@ -21,11 +21,23 @@ class Moves:
     move_predators: Func  # move all predators (steering.py)
 
 
+def _proceeding(layout: ParameterTable, see: Views, driven: steering.Steering) -> Func:
+    rows, prey_at = layout.rows, see.me_at["prey"]
+
+    @ti.func
+    def proceed(prey: ti.template(), a, i, limits: ti.template(), numbers: ti.template(), b):
+        """Let a prey go as its certificate allows."""
+        course = [1.0 * prey[a + row] for row in ti.static(rows.next_motion)]
+        driven.note(prey, a, "prey", "barrier", course)
+        driven.steps.prey.proceed(prey, a, course, prey_at(prey, a, i, limits), numbers, b)
+
+    return proceed
+
+
 def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> Moves:
     """Build `move_prey` and `move_predators` for a structure."""
     lanes, integers = types.lanes, types.integer_lanes
-    at, rows = layout.at, layout.rows
-    frame = layout.structure.frame
+    at, rows, frame = layout.at, layout.rows, layout.structure.frame
     alone = perception.build(layout, types, see)
     met = {
         kind: mates.build(layout, types, see, kind, getattr(alone.terms, kind), pull)
@@ -35,7 +47,7 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
     senses = replace(alone, pull=alone.pull | {kind: each.pull for kind, each in met.items()})
     driven = steering.build(layout, types, see, senses, uniform)
     steps, plan = driven.steps, driven.plan
-    certify = certificates.build(layout, types)
+    certify, proceed = certificates.build(layout, types), _proceeding(layout, see, driven)
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_at, predator_at = see.me_at["prey"], see.me_at["predators"]
     surveys = [p.strategy.survey(layout, types, see, uniform, p) for p in layout.parts("predators", "strategy", "survey")]
@@ -72,13 +84,6 @@ def build(layout: ParameterTable, types: Types, see: Views, uniform, bounce) -> 
         for i in range(count):
             a = row_of(b * count + i, prey_rows)
             driven.memories.remember(prey, a, prey_at(prey, a, i, limits), numbers, b, swarm_seen)
-
-    @ti.func
-    def proceed(prey: ti.template(), a, i, limits: ti.template(), numbers: ti.template(), b):
-        """Let a prey go as its certificate allows."""
-        course = [1.0 * prey[a + row] for row in ti.static(rows.next_motion)]
-        driven.note(prey, a, "prey", "barrier", course)
-        steps.prey.proceed(prey, a, course, prey_at(prey, a, i, limits), numbers, b)
 
     @ti.func
     def move_prey(block: ti.template()):
