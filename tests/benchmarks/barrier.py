@@ -51,15 +51,7 @@ def _press() -> None:
         "world.ticks": 500,
     }
     for form in ("joint", "shared"):
-        changes = {
-            **still,
-            **press,
-            **UNSWEPT,
-            "prey.drive": "point",
-            "world.ticks": 500,
-            "world.turn_factor": 0,
-            "barrier.form": form,
-        }
+        changes = {**still, **crowding, **UNSWEPT, "world.turn_factor": 0, "barrier.form": form}
         scenario = tiswarm.load("sanitation/arena-safe", changes)
         start = time.process_time()
         results = tiswarm.simulate(scenario, 2000, weights={"prey.count": np.resize(np.arange(2, 21), 2000)})
