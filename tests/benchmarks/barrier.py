@@ -1,6 +1,7 @@
 """How long 1000 trials of robots under barrier certificates take, warm.
 
 Usage: python tests/benchmarks/barrier.py [ROUNDS]        (two minutes; writes out/benchmarks/barrier.csv)
+       python tests/benchmarks/barrier.py million         (minutes: a million ticks of 2 to 20 robots who press to one point)
 
 Checked before anything is timed: points under a certificate never come nearer than its radius, and robots cover the arena.
 Seconds of the processor tell more than those of the clock where other programs run.
@@ -10,6 +11,8 @@ import csv
 import sys
 import time
 from pathlib import Path
+
+import numpy as np
 
 import tiswarm
 from tiswarm.records.manifest import processor
@@ -37,8 +40,31 @@ def _check() -> None:
         assert results.measures["coverage"].min() > 0.5, "robots stood still"
 
 
+def _press() -> None:
+    """Run a million ticks with each form, and tell how near any two came."""
+    still = {f"prey.{name}": 0 for name in ("separation", "alignment", "min_speed", "goal")}
+    crowding = {
+        "prey.strategy": "baseline",
+        "prey.cohesion": 30,
+        "prey.perception": 10,
+        "prey.drive": "point",
+        "world.ticks": 500,
+    }
+    for form in ("joint", "shared"):
+        changes = {**still, **crowding, **UNSWEPT, "world.turn_factor": 0, "barrier.form": form}
+        scenario = tiswarm.load("sanitation/arena-safe", changes)
+        start = time.process_time()
+        results = tiswarm.simulate(scenario, 2000, weights={"prey.count": np.resize(np.arange(2, 21), 2000)})
+        least, ticks = results.measures["least-distance"].min(), int(results.ticks.sum())
+        print(f"{form}: {ticks:,} ticks, least distance {least:.7f} m, {time.process_time() - start:.1f} s of all processors")
+        assert least > 0.15 - 1e-6, "robots came too near each other"
+
+
 def main() -> None:
     """Check, warm up, repeat in turns, print, write."""
+    if sys.argv[1:] == ["million"]:
+        _press()
+        return
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
     _check()
     scenarios = {name: tiswarm.load("sanitation/arena-safe", changes) for name, changes in CASES.items()}
