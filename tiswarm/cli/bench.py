@@ -1,6 +1,7 @@
 """Bench: studies run, printed, written and drawn."""
 
 import importlib.util
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -28,6 +29,12 @@ def bench(
         str | None,
         typer.Option("--figures", metavar="A,B", help="Any of bars, heat, pairs, scatter; none; the study's when left out."),
     ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            "--cluster", metavar="ADDRESS", help="Run on the workers of a Dask scheduler; local or local:N starts N here."
+        ),
+    ] = None,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Seed; the study's own when left out.")] = None,
@@ -54,15 +61,23 @@ def bench(
     folder = output or Path("out") / Path(study).stem
     rules = race_rules.rules_of(study)
     if rules is not None:
-        if sets or figures or per_trial:
-            raise WrongInput(f"{study}: an arms race; drop --set, --figures, --per-trial and --parquet, or change its file")
+        if sets or figures or per_trial or cluster:
+            told = "--set, --figures, --per-trial, --parquet and --cluster"
+            raise WrongInput(f"{study}: an arms race; drop {told}, or change its file")
         race.run(rules, folder, seed, trials, fresh, quiet)
         return
     stated = design.load_study(study)
     overrides = dict(assignment(each) for each in sets or [])
     with locked(folder):
-        with watching(not quiet, stated.measures) as (report_trials, finished):
-            report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn)
+        with ExitStack() as held:
+            workers = None
+            if cluster is not None:
+                from tiswarm.cluster.client import Cluster
+
+                workers = held.enter_context(Cluster(cluster, threads, [str(each.resolve()) for each in strategy_path or []]))
+            report_trials, finished = held.enter_context(watching(not quiet, stated.measures, workers))
+            run_cells = workers.run if workers is not None else None
+            report = run.run_study(study, trials, seed, report_trials, folder, fresh, overrides, finished, drawn, run_cells)
         export.write(report, folder, per_trial, parquet)
         played = contest(report)
         if played is not None:
@@ -73,7 +88,8 @@ def bench(
     console.print_report(report, out, played)  # last: a reader such as head may have seen enough
     if not quiet:
         runs = sum(row.trials for row in report.rows)
-        held = len(report.rows) - report.ran
-        note = f" ({held:,} of {len(report.rows):,} cells were there)" if held else ""
+        there = len(report.rows) - report.ran
+        note = f" ({there:,} of {len(report.rows):,} cells were there)" if there else ""
         missing = "" if can_draw else " (no figures: pip install 'tiswarm[plot]')"
-        out.print(f"{runs:,} trials in {report.seconds:.1f} s{note}, seed {report.seed}; written to {folder}{missing}")
+        on = f" on {workers.most} workers" if workers is not None else ""
+        out.print(f"{runs:,} trials in {report.seconds:.1f} s{on}{note}, seed {report.seed}; written to {folder}{missing}")

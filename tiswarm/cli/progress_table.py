@@ -12,8 +12,13 @@ FRAME = 7
 
 
 @contextmanager
-def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Callable[[Any], None] | None]]:
-    """Give the functions that a study reports its trials and its finished rows to; quiet where there is no terminal."""
+def watching(
+    wanted: bool, measures: tuple[str, ...], cluster: Any = None
+) -> Iterator[tuple[Any, Callable[[Any], None] | None]]:
+    """Give the functions that a study reports its trials and its finished rows to; quiet where there is no terminal.
+
+    cluster: whose number of workers is shown, if it runs on one.
+    """
     if not wanted or not sys.stderr.isatty():
         yield False, None
         return
@@ -24,7 +29,9 @@ def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Cal
     from tiswarm.studies.console import fitting
 
     console = Console(stderr=True)
-    bar = Progress(TextColumn("  trials"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console)
+    bar = Progress(
+        TextColumn("  {task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console
+    )
     task = bar.add_task("trials", total=None)
     rows: list[Any] = []
 
@@ -38,7 +45,8 @@ def watching(wanted: bool, measures: tuple[str, ...]) -> Iterator[tuple[Any, Cal
     with Live(bar, console=console, transient=True, refresh_per_second=8) as live:
 
         def report(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
+            on = "" if cluster is None else f" on {cluster.workers} workers"
+            bar.update(task, completed=done, total=total, description=f"trials{on}")
 
         def finished(row: Any) -> None:
             rows.append(row)

@@ -23,6 +23,10 @@ from tiswarm.studies.store import Ledger
 from tiswarm.system.owner import locked
 from tiswarm.system.progress import reporting
 
+Runner = Callable[[Sequence[Sequence[Cell]], int, Callable[[int], None], Callable[[Cell, Results], None]], None]
+"""Runs groups of cells that share a kernel and a seed, so many trials each; is told whom to tell how many trials are done, and
+a cell's results once they are there."""
+
 
 def study(
     name: str | os.PathLike,
@@ -54,6 +58,7 @@ def run_study(
     overrides: Mapping[str, Any] | None = None,
     finished: Callable[[Row], None] | None = None,
     figures: tuple[Figure, ...] | None = None,
+    runner: Runner | None = None,
 ) -> Report:
     """Run all cells of a study; those that a kernel can hold together are one batch: two kernels for 46 rows, not dozens.
 
@@ -63,6 +68,7 @@ def run_study(
     overrides: key -> value, in every cell.
     finished: called with each row, in the order in which they are there.
     figures: which to draw, the study's own when None.
+    runner: what runs the cells that are not there; this process when None.
 
     Errors: ScenarioError; ValueError when the folder holds another run, or another process writes into it.
     """
@@ -100,7 +106,9 @@ def run_study(
             keep(cell, outcomes)
 
         with reporting(progress, len(found) * count, "trials") as report:
-            _run(missing, count, report, finish, before=len(rows) * count)
+            before = len(rows) * count
+            report(before)
+            (runner or run_here)(grouped(missing), count, lambda ran: report(before + ran), finish)
         ordered = [rows[cell.number] for cell in found]
         result = Report(Path(name).stem, study, ordered, seed, time.perf_counter() - started, len(missing))
         if ledger:
@@ -122,20 +130,25 @@ def _take_in(
         warnings.warn(f"{ledger.folder}: {told}", stacklevel=3)
 
 
-def _run(
-    missing: Sequence[Cell], count: int, report: Callable[[int], None], finish: Callable[[Cell, Results], None], before: int
-) -> None:
-    report(before)
+def grouped(found: Sequence[Cell]) -> list[list[Cell]]:
+    """Put cells together whose trials one kernel can run as one batch."""
     groups: dict[Any, list[Cell]] = {}
-    for cell in missing:
+    for cell in found:
         groups.setdefault((_unmixed(cell.scenario), cell.seed), []).append(cell)
-    for group in groups.values():
-        done = before
+    return list(groups.values())
 
-        def tell(ran: int, _total: int, done: int = done) -> None:
-            report(done + ran)
 
-        def told(k: int, results: Results, group: list[Cell] = group) -> None:
+def run_here(
+    groups: Sequence[Sequence[Cell]], count: int, report: Callable[[int], None], finish: Callable[[Cell, Results], None]
+) -> None:
+    """Run groups of cells in this process, batch by batch."""
+    before = 0
+    for group in groups:
+
+        def tell(ran: int, _total: int, before: int = before) -> None:
+            report(before + ran)
+
+        def told(k: int, results: Results, group: Sequence[Cell] = group) -> None:
             finish(group[k], results)
 
         simulate_many([cell.scenario for cell in group], count, group[0].seed, tell, told)

@@ -17,10 +17,10 @@ CELLS_AT_ONCE = 16_777_216
 Found = dict[str, np.ndarray]
 
 
-def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None]) -> tuple[Found, Found]:
-    """Run trials 0, 1, ... to their ends: what became of them (kernel.OUTCOMES) and what was measured, name -> [trial].
+def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int], None], begin: int = 0) -> tuple[Found, Found]:
+    """Run trials begin, begin + 1, ... : what became of them (kernel.OUTCOMES), what was measured, name -> [trial].
 
-    report: called with the number of trials done.
+    report: called with how many of the trials are done.
     """
     agents = max(scenario.prey.count, scenario.predators.count, scenario.obstacles.count, 1)
     at_once = max(AT_ONCE // agents, 1)
@@ -30,7 +30,7 @@ def outcomes(scenario: Scenario, trials: int, seed: int, report: Callable[[int],
     found: list[Found] = []
     measured: list[Found] = []
     for first in range(0, trials, at_once):
-        swarm = Swarm(scenario, seed, min(at_once, trials - first), first)
+        swarm = Swarm(scenario, seed, min(at_once, trials - first), begin + first)
         measures = Measures(swarm) if scenario.measures.names else None
         while not swarm.ended.all():
             swarm.step()

@@ -132,7 +132,7 @@ def run(
 
     counts: most prey, predators and obstacles of any trial, the scenarios' own when None.
     """
-    _check_live(scenarios)
+    check_live(scenarios)
     blocks = Blocks(scenarios, runtime.start().threads, counts)
     table = blocks.layout.table(scenarios).astype(blocks.dtype)
     outcomes, measured = blocks.outcomes(len(scenarios) * count)
@@ -200,7 +200,7 @@ def _whole(path: str) -> bool:
     return path.endswith(".count") or path in WHOLE
 
 
-def _check_live(scenarios: list[Scenario]) -> None:
+def check_live(scenarios: Sequence[Scenario]) -> None:
     """Refuse strategies that ask programs outside the kernel, which a batch does not stop for."""
     for scenario in scenarios:
         for path in _live_paths(scenario):
