@@ -197,8 +197,8 @@ class Cluster:
             except (OSError, TimeoutError, ValueError) as error:
                 if time.monotonic() > end:
                     raise RuntimeError(
-                        f"cluster {self._address}: no scheduler answers ({error}); check the address; what was finished is kept, and "
-                        "the same command goes on"
+                        f"cluster {self._address}: no scheduler answers ({error}); check the address and give the same "
+                        "command again: finished cells are kept"
                     ) from None
             report()
             time.sleep(0.2)
