@@ -4,11 +4,13 @@ import importlib
 import os
 from typing import TYPE_CHECKING, Any
 
+from tiswarm.simd import backend
 from tiswarm.simd.kernel_cache import ensure_home
 from tiswarm.version import __version__
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")
 ensure_home()
+backend.choose()
 
 _HOMES = {
     "init": "simd.runtime",

@@ -18,6 +18,8 @@ from tiswarm.cli.replay import replay
 from tiswarm.cli.run import run
 from tiswarm.cli.speed import speed
 from tiswarm.cli.tune import tune
+from tiswarm.simd.backend import BACKENDS
+from tiswarm.simd.backend import version as backend_version
 from tiswarm.system.progress import INTERRUPTED, end_work, heed_interrupts, listen_for_interrupts
 from tiswarm.system.words import fault, safe
 
@@ -61,7 +63,7 @@ def main() -> NoReturn:
     except typer.Exit as stop:
         code = stop.exit_code
     except Exception as error:
-        if type(error).__module__.startswith("taichi"):  # a strategy of the user's that does not compile
+        if type(error).__module__.startswith(BACKENDS):  # a strategy of the user's that does not compile
             sys.exit(_complain(f"a strategy cannot be compiled: {(str(error).splitlines() or [type(error).__name__])[-1]}", 2))
         message = getattr(error, "format_message", None)  # wrong options, as typer's own parser finds them
         if message is None:
@@ -106,13 +108,12 @@ def _about(
 def _versions() -> list[str]:
     """Tell the versions that a report of a fault needs: ours, and of what does the work."""
     import platform
-    from importlib.metadata import version
 
     from render.encoder import version_of_ffmpeg
 
     return [
         f"tiswarm {__version__}",
         f"Python {platform.python_version()} on {platform.platform()}",
-        f"Taichi {version('taichi')}",
+        f"Taichi {backend_version()}",
         f"ffmpeg {version_of_ffmpeg()}",
     ]

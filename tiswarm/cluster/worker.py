@@ -4,12 +4,11 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from tiswarm.engine.slices import Part, Span, run_spans
 from tiswarm.scenario.model import Scenario
-from tiswarm.simd import runtime
+from tiswarm.simd import backend, runtime
 from tiswarm.simd.runtime import Precision
 from tiswarm.strategies import registry
 from tiswarm.studies.store import code_hash
@@ -63,7 +62,7 @@ def identity(folders: tuple[str, ...], company: tuple[str, ...]) -> str:
     """Name the code that runs such scenarios in this process. Errors: ValueError without the user's strategies."""
     for folder in folders:
         registry.add_path(Path(folder))
-    return f"tiswarm {__version__}, taichi {version('taichi')}, code {code_hash(_read(company))}"
+    return f"tiswarm {__version__}, taichi {backend.version()}, code {code_hash(_read(company))}"
 
 
 @cache

@@ -4,6 +4,7 @@ import json
 import platform
 from typing import Any
 
+from tiswarm.simd import backend
 from tiswarm.simd.runtime import Settings
 from tiswarm.system.machine import processor
 from tiswarm.version import __version__
@@ -11,8 +12,6 @@ from tiswarm.version import __version__
 
 def manifest(settings: Settings, **told: Any) -> str:
     """Write down what made a result, so that it can be made again."""
-    import taichi as ti
-
     machine = {
         "processor": processor(),
         "threads": settings.threads,
@@ -21,7 +20,7 @@ def manifest(settings: Settings, **told: Any) -> str:
     }
     about = {
         "tiswarm": __version__,
-        "taichi": ".".join(map(str, ti.__version__)),
+        "taichi": backend.version(),
         "precision": settings.precision,
         "machine": machine,
     }

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from taichi.lang import impl
 
-from tiswarm.simd import runtime
+from tiswarm.simd import backend, runtime
 from tiswarm.simd.runtime import Precision
 
 
@@ -42,6 +42,8 @@ def prepared(kernel: Any, *arguments: np.ndarray | int, precision: Precision) ->
 
 
 def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[..., None]:
+    if backend.name() != "taichi":  # Quadrants keeps descriptions itself
+        return lambda *last: kernel(*arguments[: len(arguments) - len(last)], *last)
     primal = kernel._primal
     built = primal.compiled_kernels[primal.ensure_compiled(*arguments)]
     call = built.make_launch_context()

@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tiswarm.simd import kernel_cache, tracing
+from tiswarm.simd import backend, kernel_cache, tracing
 from tiswarm.simd.threads import available_threads, check_threads
 
 Precision = Literal["f32", "f64"]
@@ -83,6 +83,7 @@ def _begin(wanted: Settings) -> None:
     """Start Taichi, whatever runs."""
     global _settings, _generation, _impl, _own, _chosen
     _refuse_forks()
+    backend.name()
     kernel_cache.ensure_home()
     os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")
     import taichi as ti
@@ -90,7 +91,7 @@ def _begin(wanted: Settings) -> None:
 
     tracing.lighten()
     _impl = impl
-    if impl.get_runtime().prog is not None and not _running():
+    if backend.program(impl.get_runtime()) is not None and not _running():
         _tell(
             "another part of this process had started Taichi, of which a process has one: it is started anew for tiswarm, and "
             "fields and kernels made before are gone; run your own Taichi in another process"
@@ -222,7 +223,7 @@ def _after_fork() -> None:
     global _forked, _lock
     _lock = threading.RLock()
     impl = sys.modules.get("taichi.lang.impl")
-    program = impl and impl.get_runtime().prog
+    program = impl and backend.program(impl.get_runtime())
     if program is not None:
         _forked = True
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(program))  # never freed: that would wait for its threads for ever

@@ -11,9 +11,16 @@ from collections.abc import Callable
 from types import CodeType
 from typing import Any
 
+from tiswarm.simd import backend
+
 
 def lighten() -> None:
-    """Let Taichi name a place by file, line and func, and read each func's source once. Twice does nothing more."""
+    """Let Taichi name a place by file, line and func, and read each func's source once. Twice does nothing more.
+
+    Quadrants draws no lines until it needs them.
+    """
+    if backend.name() != "taichi":
+        return
     from taichi.lang import kernel_impl
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
