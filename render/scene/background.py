@@ -155,9 +155,11 @@ def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -
     """Draw the floor of a 3-D world, what stands on it, and the twelve edges of its room, or the circles of its ball."""
     size = subject.scenario.world.size
     (width, height), (bottom, top) = size[:2], heights(subject)
+    walled = box.bounded(subject.scenario.world.boundary)
+    bottom = bottom if walled else 0.0  # where the floor is
     corners = np.array([[x, y, z] for x in (0, width) for y in (0, height) for z in (bottom, top)], float)
     pairs = [(a, b) for a in range(8) for b in range(a) if (a ^ b) in (1, 2, 4)]
-    if top > bottom and not box.bounded(subject.scenario.world.boundary):
+    if top > bottom and not walled:
         pairs = [(a, b) for a, b in pairs if not (a | b) & 1]  # only around the floor: nothing stops who goes on in the air
     spots, near = camera.place(corners), camera.nearness(corners)
     a, b = (np.array(ends) for ends in zip(*pairs, strict=True))

@@ -49,10 +49,11 @@ class Density:
         paths, found = self._paths, []
         for scene, (subject, many) in enumerate(zip(paths.subjects, self._many, strict=True)):
             mine = paths.scene == scene
+            size = np.array(subject.scenario.world.size, float) if paths.dim == 2 else None
             for spots in moments(subject, paths.spots(0.0)[mine]):
                 there = spots[self._counted[mine] & np.isfinite(spots[:, 0])]
                 if len(there):
-                    found.append(_around(there @ axes(START)[:2].T if paths.dim == 3 else there, many))
+                    found.append(_around(there @ axes(START)[:2].T if paths.dim == 3 else there, many, size))
         return most(found, live=not isinstance(paths.subjects[0], Recording))
 
     def drawn(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
@@ -153,12 +154,17 @@ class _Screen:
         return _counted(self._places, self._size, "constant") * (np.prod(self._size) / self._many)
 
 
-def _around(spots: np.ndarray, many: int) -> np.ndarray:
-    """Give how crowded it is around each of some points [point, 2], m: agents/m², spread as in a cloud of so many."""
+def _around(spots: np.ndarray, many: int, size: np.ndarray | None) -> np.ndarray:
+    """Give how crowded it is around each of some points [point, 2], m: agents/m², spread as in a cloud of so many.
+
+    size: of the flat world that is divided into cells [m]; None for what fills a screen itself.
+    """
     low, high = spots.min(axis=0) - 1e-6, spots.max(axis=0) + 1e-6
-    cells = _cells(high - low, many)
-    at = np.minimum((spots - low) / (high - low) * cells, cells - 1).astype(int)
-    return _counted((spots - low) / (high - low), cells, "constant")[at[:, 1] + 1, at[:, 0] + 1] * np.prod(cells / (high - low))
+    whole = high - low if size is None else size
+    edge = whole / _cells(whole, many)
+    cells = np.maximum(np.ceil((high - low) / edge - 1e-9), 1).astype(int)
+    at = np.minimum((spots - low) / edge, cells - 1).astype(int)
+    return _counted((spots - low) / (edge * cells), cells, "constant")[at[:, 1] + 1, at[:, 0] + 1] / np.prod(edge)
 
 
 def _cells(size: np.ndarray, many: int) -> np.ndarray:
