@@ -39,64 +39,54 @@ class AllPairs(NeighbourSearch):
     swarm_of: Func  # give the means over the alive prey, zero when there are none
 
 
-def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
-    """Build pull (kind -> func), heed, chase, blocked, look and swarm_of.
+def _gathering(layout: ParameterTable, see: Views, terms: SightTerms, kind: str) -> tuple[Func, Func]:
+    """Build pull, and how far the nearest mates are that count, for a kind."""
+    own_rows, mate_at, own = layout.agent_rows[kind], see.mate_at[kind], getattr(terms, kind)
+    place_of_count = 0 if kind == "prey" else 1
 
-    here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
-    kind.
-    """
-    lanes = types.lanes
-    dim = len(layout.axes)
+    @ti.func
+    def nearest2(here: ti.template(), me: ti.template()):
+        """Give the square of how far the nearest mates that count are."""
+        agents = ti.static(getattr(here, kind))
+        count = here.counts[place_of_count]
+        perception2, _ = own.reaches(here.numbers, here.b, me)
+        itself = own.counted(here.numbers, here.b, me, me, scaled(place(me), 0.0))
+        ranks = own.vision.ranking(here.numbers, here.b, itself)
+        for j in range(count):
+            mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
+            away = see.sight(me, mate, here.numbers, here.b)
+            own.vision.rank(ranks, dot(away, away), own.counted(here.numbers, here.b, me, mate, away), perception2)
+        return ranks[vision.ROOM - 1]
+
+    @ti.func
+    def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
+        """Add all mates to what an agent sees of its swarm, itself included."""
+        agents = ti.static(getattr(here, kind))
+        count = here.counts[place_of_count]
+        perception2, spacing2 = own.reaches(here.numbers, here.b, me)
+        if ti.static(own.vision.choosy):
+            perception2 = smaller(perception2, nearest2(here, me))
+        for j in range(count):
+            mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
+            away = see.sight(me, mate, here.numbers, here.b)
+            see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate, away), perception2, spacing2)
+
+    @ti.func
+    def pull(mates: ti.template(), here: ti.template(), me: ti.template()):
+        """Give what mates in sight add to the velocity."""
+        gather(mates, here, me)
+        return own.flocked(mates, here.numbers, here.b, me)
+
+    return pull, nearest2
+
+
+def _heeding(layout: ParameterTable, types: Types, see: Views, terms: SightTerms, nearest_prey2: Func) -> Func:
+    """Build what a prey makes of predators and single mates."""
+    lanes, prey_sight = types.lanes, terms.prey.vision
     prey_rows, predator_rows = layout.agent_rows["prey"], layout.agent_rows["predators"]
     prey_mate, predator_mate = see.mate_at["prey"], see.mate_at["predators"]
-    hunted = layout.structure.hunted
-    wrapping, width = layout.structure.frame.wrap_sight, len(layout.paths)
-    watched = sight_terms.watching(layout)
-    terms = sight_terms.build(layout, types, see)
-    prey_sight, predator_sight = terms.prey.vision, terms.predators.vision
+    hunted, watched = layout.structure.hunted, sight_terms.watching(layout)
     observing = bool(layout.parts("prey", "strategy", "observe"))
-
-    def gathers(kind: str):
-        own_rows, mate_at, own = layout.agent_rows[kind], see.mate_at[kind], getattr(terms, kind)
-        place_of_count = 0 if kind == "prey" else 1
-
-        @ti.func
-        def nearest2(here: ti.template(), me: ti.template()):
-            """Give the square of how far the nearest mates that count are."""
-            agents = ti.static(getattr(here, kind))
-            count = here.counts[place_of_count]
-            perception2, _ = own.reaches(here.numbers, here.b, me)
-            itself = own.counted(here.numbers, here.b, me, me, scaled(place(me), 0.0))
-            ranks = own.vision.ranking(here.numbers, here.b, itself)
-            for j in range(count):
-                mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
-                away = see.sight(me, mate, here.numbers, here.b)
-                own.vision.rank(ranks, dot(away, away), own.counted(here.numbers, here.b, me, mate, away), perception2)
-            return ranks[vision.ROOM - 1]
-
-        @ti.func
-        def gather(mates: ti.template(), here: ti.template(), me: ti.template()):
-            """Add all mates to what an agent sees of its swarm, itself included."""
-            agents = ti.static(getattr(here, kind))
-            count = here.counts[place_of_count]
-            perception2, spacing2 = own.reaches(here.numbers, here.b, me)
-            if ti.static(own.vision.choosy):
-                perception2 = smaller(perception2, nearest2(here, me))
-            for j in range(count):
-                mate = mate_at(agents, row_of(here.b * count + j, own_rows), j)
-                away = see.sight(me, mate, here.numbers, here.b)
-                see_mate(mates, mate, away, own.counted(here.numbers, here.b, me, mate, away), perception2, spacing2)
-
-        @ti.func
-        def pull(mates: ti.template(), here: ti.template(), me: ti.template()):
-            """Give what mates in sight add to the velocity."""
-            gather(mates, here, me)
-            return own.flocked(mates, here.numbers, here.b, me)
-
-        return pull, nearest2
-
-    ways = {kind: gathers(kind) for kind in ("prey", "predators")}
-    nearest_prey2 = ways["prey"][1]
 
     @ti.func
     def heed(notes: ti.template(), threat: ti.template(), here: ti.template(), me: ti.template()):
@@ -139,6 +129,12 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
                         hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
                     p.strategy.beware(notes[k], me, see.image(me, hunter, numbers, b), away, weights)
 
+    return heed
+
+
+def _chasing(layout: ParameterTable, see: Views, terms: SightTerms) -> Func:
+    prey_rows, prey_mate, predator_sight = layout.agent_rows["prey"], see.mate_at["prey"], terms.predators.vision
+
     @ti.func
     def chase(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), quarry: ti.template(), weights):
         """Let a predator strategy collect what it needs of single prey."""
@@ -148,6 +144,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             if ti.static(predator_sight.narrow):
                 each.alive = each.alive * predator_sight.in_view(here.numbers, here.b, me, away)
             p.strategy.observe(notes, me, see.image(me, each, here.numbers, here.b), away, quarry, weights)
+
+    return chase
+
+
+def _obstacles(types: Types, see: Views) -> tuple[Func, Func, Func]:
+    """Build blocked, look and notice."""
+    lanes = types.lanes
 
     @ti.func
     def blocked(p: ti.template(), here: ti.template(), me: ti.template(), course: ti.template(), weights):
@@ -174,6 +177,13 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
             away = see.sight(me, obstacle, here.numbers, here.b)
             p.strategy.notice(notes, me, see.obstacle_seen(me, obstacle, away), away, weights)
+
+    return blocked, look, notice
+
+
+def _means(layout: ParameterTable, types: Types, see: Views) -> Func:
+    lanes, dim, width = types.lanes, len(layout.axes), len(layout.paths)
+    prey_rows, prey_mate, wrapping = layout.agent_rows["prey"], see.mate_at["prey"], layout.structure.frame.wrap_sight
 
     @ti.func
     def swarm_of(prey: ti.template(), numbers: ti.template(), b, count, age):
@@ -203,13 +213,25 @@ def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
             motion(swarm)[k] = share * motion(swarm)[k]
         return swarm
 
+    return swarm_of
+
+
+def build(layout: ParameterTable, types: Types, see: Views) -> AllPairs:
+    """Build pull (kind -> func), heed, chase, blocked, look and swarm_of.
+
+    here: prey, predators, obstacles, numbers; b: the block, which has room for `counts` agents; i: the agent's place among its
+    kind.
+    """
+    terms = sight_terms.build(layout, types, see)
+    ways = {kind: _gathering(layout, see, terms, kind) for kind in ("prey", "predators")}
+    blocked, look, notice = _obstacles(types, see)
     return AllPairs(
         pull={kind: pull for kind, (pull, _) in ways.items()},
-        heed=heed,
-        chase=chase,
+        heed=_heeding(layout, types, see, terms, ways["prey"][1]),
+        chase=_chasing(layout, see, terms),
         blocked=blocked,
         look=look,
         terms=terms,
         notice=notice,
-        swarm_of=swarm_of,
+        swarm_of=_means(layout, types, see),
     )

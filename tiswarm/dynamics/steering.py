@@ -1,19 +1,21 @@
 """Steering: from what an agent senses to its next state, an agent or a trial a lane; who visits whom is the senses'."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import taichi as ti
 
-from tiswarm.dynamics import commands, integrator, memories, networks, planning
+from tiswarm.dynamics import commands, courses, integrator, memories, networks, planning
+from tiswarm.dynamics.courses import Courses
 from tiswarm.dynamics.integrator import Steps
 from tiswarm.dynamics.memories import Memories
 from tiswarm.dynamics.perception import NeighbourSearch
+from tiswarm.dynamics.planning import Planning
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd import philox
 from tiswarm.simd.lanes import minus, motion
 from tiswarm.simd.runtime import Func, Types
-from tiswarm.strategies.flocking import flock
 
 
 @dataclass(frozen=True)
@@ -28,98 +30,43 @@ class Steering:
     steps: Steps
 
 
-def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSearch, uniform) -> Steering:
+@dataclass(frozen=True)
+class _Tools:
+    """What the moves of both kinds are made of. consults: part -> func; told: kind -> rows of gains that it is told."""
+
+    layout: ParameterTable
+    types: Types
+    see: Views
+    senses: NeighbourSearch
+    courses: Courses
+    steps: Steps
+    kept: Memories
+    goals: Planning
+    consults: dict[Any, Any]
+    told: dict[str, list[int]]
+
+
+def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSearch, uniform: Func) -> Steering:
     """Build prey, predators (one agent's move), memories, plan and steps, for the senses of either engine."""
-    lanes = types.lanes
-    at, rows, dim = layout.at, layout.rows, len(layout.axes)
-    width = len(layout.paths)
-    frame = layout.structure.frame
     steps, kept = integrator.build(layout), memories.build(layout, see)
-    strategies = layout.parts("prey", "strategy")
-    kicking = [p for p in strategies if p.strategy.dice]
-    urging = [p for p in strategies if "urge" in p.own]
-    pursuits = layout.parts("predators", "strategy")
-    consults, goals = networks.build(layout, see, senses), planning.build(layout, types, see)
-    led = any(p.part in consults for p in strategies)
-    chasing = any(p.part in consults for p in pursuits)
+    common, goals = courses.build(layout, types, see, senses, uniform), planning.build(layout, types, see)
     told = {kind: layout.commands[kind] for kind, mode in commands.modes(layout).items() if mode == "gains"}
+    tools = _Tools(layout, types, see, senses, common, steps, kept, goals, networks.build(layout, see, senses), told)
+    obeying = commands.build(layout, types, steps)
+    return Steering(
+        prey=obeying["prey"] if "prey" in obeying else _prey(tools),
+        predators=obeying["predators"] if "predators" in obeying else _predators(tools),
+        memories=kept,
+        plan=goals.plan,
+        note=common.note,
+        steps=steps,
+    )
 
-    @ti.func
-    def note(agents: ti.template(), a, kind: ti.template(), term: ti.template(), course: ti.template()):
-        """Write down the velocity behind a term, where terms are noted."""
-        for k, row in ti.static(enumerate(layout.courses[kind].get(term, []))):
-            agents[a + row] = course[k]
 
-    @ti.func
-    def note_flocking(agents: ti.template(), a, kind: ti.template(), me: ti.template(), mates: ti.template()):
-        """Write down the velocity behind separation, and behind cohesion, which `pull` adds in one go with alignment."""
-        if ti.static(layout.structure.terms):
-            apart = flock(me, mates, 0.0 * me.cohesion, me.separation, 0.0 * me.alignment)
-            both = flock(me, mates, me.cohesion, me.separation, 0.0 * me.alignment)
-            note(agents, a, kind, "separation", [own + pull for own, pull in ti.static(zip(motion(me), apart, strict=True))])
-            note(agents, a, kind, "cohesion", [own + pull for own, pull in ti.static(zip(motion(me), both, strict=True))])
-
-    @ti.func
-    def timed(term, numbers: ti.template(), b):
-        """Give what a term adds to the velocity in this tick: itself, or in a world of gains per second as much of it."""
-        added = term
-        if ti.static(frame.per_second):
-            added = numbers[b * width + at.dt] * term
-        return added
-
-    @ti.func
-    def pulled(
-        agents: ti.template(), a, here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b
-    ):
-        """Give the velocity with what mates in sight add to it."""
-        course = [1.0 * rate for rate in ti.static(motion(me))]
-        if ti.static(layout.flocks(kind)):
-            mates = see.Mates(*[lanes(0.0) for _ in ti.static(range(1 + 3 * dim))])
-            pull = senses.pull[kind](mates, here, me)
-            note_flocking(agents, a, kind, me, mates)
-            for k in ti.static(range(dim)):
-                course[k] += timed(pull[k], numbers, b)
-            note(agents, a, kind, "alignment", course)
-        return course
-
-    @ti.func
-    def turned(course: ti.template(), here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b):
-        """Rotate the course once if any obstacle blocks it."""
-        for p in ti.static(layout.parts(kind, "avoidance", "blocks")):
-            weights = see.weights_of(p, numbers, b)
-            blocked = senses.blocked(p, here, me, course, weights)
-            cosine, sine = p.strategy.turn(weights)
-            rotated = (blocked > 0.5) & (weights.on > 0.5)
-            cosine = ti.select(rotated, cosine, 1.0)
-            sine = ti.select(rotated, sine, 0.0)
-            x, y = course[0], course[1]
-            course[0] = cosine * x - sine * y
-            course[1] = sine * x + cosine * y
-
-    @ti.func
-    def deflected(
-        course: ti.template(),
-        here: ti.template(),
-        kind: ti.template(),
-        me: ti.template(),
-        numbers: ti.template(),
-        b,
-        target: ti.template(),
-        dice: ti.template(),
-    ):
-        """Let avoidances change the course after the cap."""
-        for p in ti.static(layout.parts(kind, "avoidance", "deflect")):
-            weights = see.weights_of(p, numbers, b)
-            notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-            senses.look(p, notes, here, me, course, weights)
-            other = p.strategy.deflect(me, course, notes, see.image(me, target, numbers, b), dice, weights)
-            for k in ti.static(range(dim)):
-                course[k] = ti.select(weights.on > 0.5, other[k], course[k])
-
-    @ti.func
-    def dice_of(draw: ti.template(), purpose: ti.template()):
-        first, second, _, _ = uniform(draw.key_low, draw.key_high, draw.trial, purpose, draw.index, draw.tick)
-        return see.Dice(a=first, b=second)
+def _steered(tools: _Tools, strategies: list[Any], led: bool) -> Func:
+    layout, see, senses, kept = tools.layout, tools.see, tools.senses, tools.kept
+    at, dim, width = layout.at, len(layout.axes), len(layout.paths)
+    note, timed, dice_of = tools.courses.note, tools.courses.timed, tools.courses.dice
 
     @ti.func
     def steered(
@@ -160,18 +107,27 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
                 kept.keep(p, prey, a, course, notes[j], weights)
             note(prey, a, "prey", p.part.name, course)
 
+    return steered
+
+
+def _prey(tools: _Tools) -> Func:
+    """Build the move of a prey."""
+    layout, see, senses, steps, kept = tools.layout, tools.see, tools.senses, tools.steps, tools.kept
+    at, rows, dim, width, frame = layout.at, layout.rows, len(layout.axes), len(layout.paths), layout.structure.frame
+    lanes, common = tools.types.lanes, tools.courses
+    note, timed, pulled, turned, deflected = common.note, common.timed, common.pulled, common.turned, common.deflected
+    dice_of, consults, goals, told = common.dice, tools.consults, tools.goals, tools.told
+    strategies = layout.parts("prey", "strategy")
+    kicking = [p for p in strategies if p.strategy.dice]
+    urging = [p for p in strategies if "urge" in p.own]
+    led = any(p.part in consults for p in strategies)
+    steered = _steered(tools, strategies, led)
+
     @ti.func
     def drive_prey(
-        here: ti.template(),
-        draw: ti.template(),
-        prey: ti.template(),
-        a,
-        me: ti.template(),
-        numbers: ti.template(),
-        b,
-        swarm: ti.template(),
-        target: ti.template(),
-    ):
+        here: ti.template(), draw: ti.template(), prey: ti.template(), a, me: ti.template(), numbers: ti.template(), b,
+        swarm: ti.template(), target: ti.template(),
+    ):  # fmt: skip
         """V += flocking + goal seeking + field + strategy; turn; cap; kick; p += v dt (Lupau 2022, equations 9 to 11).
 
         here: for the senses; draw: for random numbers: key_low, key_high and lanes of trial, index and tick.
@@ -223,6 +179,19 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(prey, a, "prey", "kick", course)
         prey[a + rows.seen] = threat.n
         steps.prey.advance(prey, a, course, me, numbers, b)
+
+    return drive_prey
+
+
+def _predators(tools: _Tools) -> Func:
+    """Build the move of a predator."""
+    layout, see, senses, steps = tools.layout, tools.see, tools.senses, tools.steps
+    at, rows, dim, width = layout.at, layout.rows, len(layout.axes), len(layout.paths)
+    lanes, common = tools.types.lanes, tools.courses
+    note, timed, pulled, turned, deflected = common.note, common.timed, common.pulled, common.turned, common.deflected
+    dice_of, consults, told = common.dice, tools.consults, tools.told
+    pursuits = layout.parts("predators", "strategy")
+    chasing = any(p.part in consults for p in pursuits)
 
     @ti.func
     def drive_predator(
@@ -282,12 +251,4 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
         note(predators, a, "predators", "deflection", course)
         steps.predators.advance(predators, a, course, me, numbers, b)
 
-    obeying = commands.build(layout, types, steps)
-    return Steering(
-        prey=obeying.get("prey", drive_prey),
-        predators=obeying.get("predators", drive_predator),
-        memories=kept,
-        plan=goals.plan,
-        note=note,
-        steps=steps,
-    )
+    return drive_predator
