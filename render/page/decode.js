@@ -3,7 +3,8 @@
  *
  * @typedef {{at: number, bits: number, shape: number[], order: number, kind: string, low?: number[], step?: number[]}} Section
  * @typedef {{count: number, strategy: string, avoidance: string, radius: number, perception: number, view: number,
- *   nearest: number | null, states: string[], terms: string[], fate: number[], end: (number | null)[], judged?: (number[] | null)[]}} Agents
+ *   nearest: number | null, states: string[], terms: string[], fate: number[], end: (number | null)[],
+ *   judged?: (number[] | null)[]}} Agents
  * @typedef {{format: number, label: string, title: string, source: string, preset: string, seed: number, trial: number,
  *   ticks: number, dim: number, dt: number, size: number[], heights: number[], boundary: string, sky: boolean,
  *   areas: {label: string, low: number[], high: number[]}[], target: {position: number[], radius: number} | null,

@@ -224,10 +224,11 @@ def test_ways_through_the_same_trial_are_told_apart_by_whom_they_kept(make):
         make(prey_ends={0: (3, "captured"), 1: (6, "arrived")}),
         make(prey_ends={0: (6, "captured"), 1: (7, "crashed")}),
     )
-    caption = Composition([first, other], (640, 240), Look(), yuv=False, labels=["a", "b"]).caption
+    stage = Composition([first, other], (640, 240), Look(), yuv=False, labels=["a", "b"])
+    caption = stage.caption
     told = []
     for time in (0.0, 4.0, 6.0, 8.0):
-        caption.frame(time)
+        stage.frame(time, stage.canvas.blank())
         told.append([caption._lead(n, time) for n in (0, 1)])
     assert told == [["", "±0"], ["", "+1"], ["", "±0"], ["", "\N{MINUS SIGN}1"]]
     apart = Composition([first, make(trial=9)], (640, 240), Look(), yuv=False).caption
