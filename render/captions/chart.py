@@ -67,11 +67,16 @@ class Charts(Caption):
     """Charts, one above the other."""
 
     def __init__(self, scene: Scene, atlas: Atlas, unit: float, box: Box, wanted: tuple[str, ...] | None):
-        """Place as many charts as a box has room for. wanted: what they show; None for what is worth it."""
+        """Place as many charts as a box has room for. wanted: what they show; None for what is worth it.
+
+        Errors: ValueError where other trials are to be shown and there is no room for them.
+        """
         super().__init__(scene, atlas, unit)
         names = chartable(scene) if wanted is None else [each for each in wanted if isinstance(scene.subjects[0], Recording)]
         room = int((box.height / unit + BETWEEN) // (LEAST + BETWEEN))
-        among = scene.look.among if room > 0 else None
+        among = scene.look.among
+        if among is not None and room < 1:
+            raise ValueError("among: there is no room for it in this caption; choose another --size, larger or less wide")
         names = names[: max(room - (among is not None), 0)]
         self._lines = [series(scene, name) for name in names]
         many = len(names) + (among is not None)

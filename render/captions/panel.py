@@ -3,7 +3,7 @@
 import numpy as np
 
 from render.captions.caption import Caption, Counter, fitting, introduced
-from render.captions.chart import Charts
+from render.captions.chart import Charts, height_for
 from render.captions.layout import Box, Layout
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import Colour, boxes, colour
@@ -39,9 +39,12 @@ class Panel(Caption):
         self._place(layout.panel)
 
     def _place(self, box: Box) -> None:
-        """Place what stands still in the caption's box, in type that shrinks until the numbers keep off the clock."""
-        least = SHRUNK * self._unit
-        while (top := self._placed(box)) > (foot := self._box.bottom - (CLOCK + 16) * self._unit) and self._unit > least:
+        """Place what stands still in the caption's box, in type that shrinks until there is room for all, and for the clock."""
+        least, among = SHRUNK * self._unit, height_for(1) if self._scene.look.among else 0.0
+        while True:
+            top, foot = self._placed(box), self._box.bottom - (CLOCK + 16) * self._unit
+            if top + among * self._unit <= foot or self._unit <= least:
+                break
             self._unit *= 0.95
         self._chart(Box(self._box.left, top, self._box.right, foot))
 

@@ -75,6 +75,11 @@ def test_this_trial_is_marked_among_others(chase, size):
     assert shown.frame(8.0)[0][0, PLACE] == pytest.approx(shown.place(shown.count(8.0)))
 
 
+def test_others_that_find_no_room_are_refused(chase):
+    with pytest.raises(ValueError, match="among: there is no room for it in this caption; choose another --size"):
+        charts(chase, (400, 150), chart=(), among=Among("captured", np.array([0, 1, 2])))
+
+
 def test_many_counts_share_a_bar(make):
     recording = make(prey=200, predators=1)
     shown = charts(recording, SQUARE, chart=("alive",), among=Among("crashed", np.arange(201))).among
