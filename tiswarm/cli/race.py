@@ -80,7 +80,8 @@ def _film(race: Race, rounds: list[Round]) -> None:
     for each in rounds:
         prey = each.prey[int(np.argmax(each.solution.rows))]
         predators = each.predators[int(np.argmax(each.solution.columns))]
-        recordings.append(tiswarm.record(race.scenario(prey, predators), 0, race.seed))
+        scenario = race.scenario(prey, predators).replaced({"title": "What both sides play most, round by round"})
+        recordings.append(tiswarm.record(scenario, 0, race.seed))
     labels = [f"round {each.number}" for each in rounds]
     subject = recordings if len(recordings) > 1 else recordings[0]
     render.film(subject, race.folder / "film.mp4", labels=labels if len(recordings) > 1 else None)
