@@ -22,7 +22,11 @@ NOWHERE = 1e30
 
 
 def tolerance(types: Types) -> float:
-    """Give how much a bound may be exceeded without being seen, m²/s for pairs and m/s for walls; sums round to less."""
+    """Give to what a solution is exact, m²/s for pairs and m/s for walls; sums round to less.
+
+    What is exceeded is solved for bounds that are tighter by twice as much, so that what rounding leaves does not add up in a
+    trial to any way nearer than the radius.
+    """
     return 1e-6 if types.real == ti.f32 else 1e-12
 
 

@@ -60,7 +60,7 @@ def _meeting(layout: ParameterTable, types: Types, rules: Barrier) -> Func:
         """Put a constraint at the end of the lists of those lanes where it is exceeded and not in yet; give 1 if it came in."""
         came = 0
         for lane in range(LANES):
-            if ti.select(over > slack, 1.0, 0.0)[lane] > 0.5:
+            if ti.select(over > 0.0, 1.0, 0.0)[lane] > 0.5:
                 length = ti.cast(board[base + JOINT_LENGTH][lane], ti.i32)
                 one, other, known = ti.cast(i, types.real), ti.cast(j, types.real), 0
                 for k in range(length):
@@ -74,7 +74,7 @@ def _meeting(layout: ParameterTable, types: Types, rules: Barrier) -> Func:
                     board[e + OTHER][lane] = other
                     board[e + ACROSS][lane] = line[0][lane]
                     board[e + UP][lane] = line[1][lane]
-                    board[e + BOUND][lane] = bound[lane]
+                    board[e + BOUND][lane] = bound[lane] - 2.0 * slack
                     board[e + GIVE][lane] = 1.0 / (weight * safe(dot(line, line))[lane])
                     board[e + FORCE][lane] = 0.0
                     board[base + JOINT_LENGTH][lane] = ti.cast(length + 1, types.real)
@@ -92,7 +92,7 @@ def _meeting(layout: ParameterTable, types: Types, rules: Barrier) -> Func:
             off = numbers[block.b * width + at.size[k]] - place if ti.static(side > 0) else place
             bound = rules.wall_bound(off, limits)
             over = ti.select(here, side * board[p + (U + k)] - bound, -1.0)
-            if anywhere(over > slack):
+            if anywhere(over > 0.0):
                 line = [types.lanes(side if ti.static(k == axis) else 0.0) for axis in ti.static(range(2))]
                 came = ti.max(came, enlist(board, base, over, i, WALL, line, bound, 1.0))
         return came
@@ -117,7 +117,7 @@ def _meeting(layout: ParameterTable, types: Types, rules: Barrier) -> Func:
                 change = [board[p + (U + k)] - board[q + (U + k)] for k in ti.static(range(2))]
                 both = here & (prey[row_of(b * count + j, prey_rows) + rows.alive] > 0.5)
                 over = ti.select(both, dot(line, change) - bound, -1.0)
-                if anywhere(over > slack):
+                if anywhere(over > 0.0):
                     came = ti.max(came, enlist(board, base, over, i, j, line, bound, 2.0))
             if ti.static(box.walled(frame.boundary)):
                 came = ti.max(came, meet_walls(block, base, limits, i, here))

@@ -82,7 +82,7 @@ def build(types: Types) -> Solution:
             q = base + JOINT_AGENT * ti.cast(board[e + OTHER][lane], ti.i32)
             along = board[e + ACROSS][lane] * (board[p + U][lane] - board[q + U][lane])
             along += board[e + UP][lane] * (board[p + V][lane] - board[q + V][lane])
-            bound = board[e + BOUND][lane]
+            bound = board[e + BOUND][lane] + 2.0 * slack  # the one that must hold
             if bound >= 0.0 and along > bound:
                 share = ti.min(share, bound / along)
         for i in range(count):

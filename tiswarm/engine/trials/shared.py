@@ -32,7 +32,7 @@ def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> 
             off = numbers[b * width + at.size[k]] - point[k] if ti.static(side > 0) else point[k]
             bound = rules.wall_bound(off, limits)
             line = [lanes(side if ti.static(k == axis) else 0.0) for axis in ti.static(range(2))]
-            worse(worst, side * u[k] - bound, line, bound)
+            worse(worst, side * u[k] - bound, line, bound - 2.0 * slack)
 
     @ti.func
     def worst_of(block: ti.template(), i, point: ti.template(), u: ti.template(), limits: ti.template()):
@@ -51,10 +51,10 @@ def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> 
                 distance2 = dot(away, away)
                 bound = 0.5 * rules.pair_bound(distance2, limits)
                 over = ti.select(prey[q + rows.alive] > 0.5, -2.0 * dot(away, u) - bound, -1.0)
-                if anywhere(over > slack):
+                if anywhere(over > 0.0):
                     length = 1.0 / ti.sqrt(safe(distance2))
                     line = [-1.0 * length * away[k] for k in ti.static(range(2))]
-                    worse(worst, ti.select(over > slack, 0.5 * length * over, 0.0), line, 0.5 * length * bound)
+                    worse(worst, 0.5 * length * over, line, 0.5 * length * bound - 2.0 * slack)
         if ti.static(box.walled(frame.boundary)):
             meet_walls(worst, point, u, numbers, b, limits)
         return worst
@@ -74,7 +74,7 @@ def build(layout: ParameterTable, types: Types, rules: Barrier, allow: Func) -> 
             left = ROUNDS
             while left > 0:
                 worst = worst_of(block, i, point, u, limits)
-                exceeded = worst[0] > slack
+                exceeded = worst[0] > 0.0
                 left = ti.select(anywhere(exceeded), left - 1, 0)
                 if left > 0:
                     tightened(u, command, [worst[1], worst[2]], worst[3], held, exceeded, slack)
