@@ -42,10 +42,10 @@ export class Recording {
     this.group = new Int16Array(cells).fill(-1);
     /** @type {string[]} */
     this.states = [...new Set(["calm", ...prey.states, ...predators.states])];
-    /** The tick at which each agent is gone, Infinity for those who stay. */
     /** Where each was judged to be gone [m], if that is known. @type {(number[] | null | undefined)[]} */
     this.judged = new Array(this.count).fill(null);
     [prey, predators].forEach((each, n) => each.judged?.forEach((place, k) => (this.judged[n * prey.count + k] = place)));
+    /** The tick at which each agent is gone, Infinity for those who stay. */
     this.end = Float64Array.from([...prey.end, ...predators.end], (end) => end ?? Infinity);
     this.fate = Uint8Array.from([...prey.fate, ...predators.fate]);
     /** What each term added to the velocity in the move out of a tick's state. @type {Map<string, Float32Array>} */

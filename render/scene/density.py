@@ -112,9 +112,9 @@ class Density:
         """
         rows = [] if is_endless(self._paths.subjects[scene]) else [self._shadow(spots, many, camera, window)]
         screen, near = _Screen(camera.place(spots), many, window), camera.nearness(spots)
-        density = screen.counted(near**2) * camera.scale**2
-        haze = camera.haze(screen.counted(near**3) / np.maximum(screen.counted(near**2), 1e-9))
-        texels = self.scale.colours.take(self.scale.level(density), axis=0) * (1 - haze).astype(np.float32)
+        counted = screen.counted(near**2)
+        haze = camera.haze(screen.counted(near**3) / np.maximum(counted, 1e-9))
+        texels = self.scale.colours.take(self.scale.level(counted * camera.scale**2), axis=0) * (1 - haze).astype(np.float32)
         return [*rows, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
 
     def _shadow(self, spots: np.ndarray, many: int, camera: Orbit, window: np.ndarray) -> np.ndarray:

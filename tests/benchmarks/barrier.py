@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 import tiswarm
-from tiswarm.records.manifest import processor
 from tiswarm.simd import runtime
+from tiswarm.system.machine import machine
 
 TRIALS = 1000
 OUT = Path("out/benchmarks/barrier.csv")
@@ -84,7 +84,7 @@ def main() -> None:
     OUT.parent.mkdir(parents=True, exist_ok=True)
     with OUT.open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(("case", "trials", "best_s", "processor_s", f"{processor()}, {runtime.start().threads} threads"))
+        writer.writerow(("case", "trials", "best_s", "processor_s", f"{machine()}, {runtime.start().threads} threads"))
         writer.writerows(rows)
 
 

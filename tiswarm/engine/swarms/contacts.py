@@ -51,11 +51,24 @@ def _end_in(parts: _Parts, kind: str) -> Func:
     return end_of
 
 
+def _by_chunk(parts: _Parts, kind: str, judge_block: Func) -> Func:
+    """Build what judges all blocks of a chunk of a kind."""
+    deep = transfer.scratch_rows(parts.layout)
+
+    @ti.func
+    def judge_chunk(crowds: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, moved):
+        crowd = crowds.of(kind)
+        begin, end = share_of(chunk, crowd.whole[SLOTS] * crowd.whole[TRIALS] // LANES)
+        for block in range(begin, end):
+            judge_block(crowds, scratch, chunk * deep, numbers, block, moved)
+
+    return judge_chunk
+
+
 def _crashes(parts: _Parts, kind: str) -> Func:
     """Build what lets obstacles, and for predators the target, kill a chunk's agents."""
     see, senses, rules = parts.see, parts.senses, parts.rules
     lanes, dim, rows = parts.types.lanes, len(parts.layout.axes), parts.layout.rows
-    deep = transfer.scratch_rows(parts.layout)
     ferry, end_of = parts.carried[kind], _end_in(parts, kind)
     meet_one, crash = rules.meet_obstacle[kind], rules.crash[kind]
     field = bool(parts.layout.parts(kind, "avoidance", "field"))
@@ -88,21 +101,13 @@ def _crashes(parts: _Parts, kind: str) -> Func:
             crash(scratch, a, me, touched[0], lanes(moved), target, numbers, 0)
             ferry.save_rows(scratch, a, crowd, crowd.count, block, end)
 
-    @ti.func
-    def crash_chunk(crowds: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, moved):
-        crowd = crowds.of(kind)
-        begin, end = share_of(chunk, crowd.whole[SLOTS] * crowd.whole[TRIALS] // LANES)
-        for block in range(begin, end):
-            crash_block(crowds, scratch, chunk * deep, numbers, block, moved)
-
-    return crash_chunk
+    return _by_chunk(parts, kind, crash_block)
 
 
 def _touches(parts: _Parts, kind: str, opponents: str) -> Func:
     """Build what marks agents of a kind that touch an opponent, unless an obstacle has killed one of them."""
     senses, rules, at = parts.senses, parts.rules, parts.layout.at
     lanes, dim, rows = parts.types.lanes, len(parts.layout.axes), parts.layout.rows
-    deep = transfer.scratch_rows(parts.layout)
     ferry, other, end_of = parts.carried[kind], parts.carried[opponents], _end_in(parts, kind)
     from_other = senses.away_in(opponents)
     came = [other.kept.index(row) for row in rows.travel]
@@ -139,14 +144,7 @@ def _touches(parts: _Parts, kind: str, opponents: str) -> Func:
                 if block * LANES + lane < end:
                     crowd.marks[block * LANES + lane] = hit[lane]
 
-    @ti.func
-    def touch_chunk(crowds: ti.template(), scratch: ti.template(), numbers: ti.template(), chunk, moved):
-        crowd = crowds.of(kind)
-        begin, end = share_of(chunk, crowd.whole[SLOTS] * crowd.whole[TRIALS] // LANES)
-        for block in range(begin, end):
-            touch_block(crowds, scratch, chunk * deep, numbers, block, moved)
-
-    return touch_chunk
+    return _by_chunk(parts, kind, touch_block)
 
 
 def _settles(parts: _Parts) -> Func:
