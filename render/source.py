@@ -1,12 +1,20 @@
 """Source: what a film needs to know of a simulation that runs while it is filmed. Recordings are played the same way."""
 
 from collections.abc import Iterator
+from enum import IntEnum
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from tiswarm.records.recording import Recording, Swarm
 from tiswarm.space import box
+
+
+class Kind(IntEnum):
+    """The two kinds of agents, in the order in which agents and every table of both kinds stand."""
+
+    PREY = 0
+    PREDATORS = 1
 
 
 class Moment(Protocol):

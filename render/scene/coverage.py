@@ -8,6 +8,7 @@ from render.scene.snapshot import Snapshot
 from render.scene.trajectories import Trajectories
 from render.source import Live
 from render.theme import Theme
+from tiswarm.measures.ground import Sweep
 from tiswarm.records.recording import Recording
 from tiswarm.scenario.model import World
 from tiswarm.space import box
@@ -46,15 +47,6 @@ class Cells:
         inside = (place >= 0).all(axis=-1) & (x < self.across) & (y < self.up)
         return np.where(inside, y * self.across + x, -1)
 
-    def free(self, subject: Recording | Live) -> np.ndarray:
-        """Tell which cells' middles lie inside the world and outside its obstacles: [cell], bool."""
-        middles, size = self.middles, subject.scenario.world.size[:2]
-        free = box.inside(middles, size, subject.scenario.world.boundary)
-        for centre, radius in zip(subject.obstacle_position[:, :2], subject.obstacle_radius, strict=True):
-            way = box.displacement(middles - centre, box.period(size, subject.scenario.world.boundary))
-            free = free & ((way**2).sum(axis=1) >= radius**2)
-        return free
-
     def around(self, spots: np.ndarray, reach: float) -> np.ndarray:
         """Give the numbers of the cells whose middles lie within reach [m] of points [point, 2]; -1 for cells outside."""
         ways = np.arange(-np.ceil(reach / self.edge), np.ceil(reach / self.edge) + 1)
@@ -79,11 +71,7 @@ class Coverage:
         sizes = [subject.scenario.world.size for subject in paths.subjects]
         self._cells = [Cells(size, max(size[:2]) / FINE) for size in sizes]
         # What is counted in words is what the measure "coverage" counts, on the scenario's own grid where there is one.
-        self._grids = [
-            Cells(size, subject.scenario.coverage.cell or max(size[:2]) / FINE)
-            for size, subject in zip(sizes, paths.subjects, strict=True)
-        ]
-        self._free = [grid.free(subject) for grid, subject in zip(self._grids, paths.subjects, strict=True)]
+        self._grids = [_grid(subject) for subject in paths.subjects]
         self._reach = [max(tool_radius(s.scenario), 0.71 * c.edge) for s, c in zip(paths.subjects, self._cells, strict=True)]
         self._before = np.zeros(0)
         paths.watch(self._clean)
@@ -92,7 +80,7 @@ class Coverage:
         """Note what prey clean on the way to a tick."""
         if tick == 0:
             self._first = [np.full(cells.count + 1, np.inf) for cells in self._cells]
-            self._swept = [np.full(grid.count + 1, np.inf) for grid in self._grids]
+            self._swept = [np.full(grid.free.size, np.inf) for grid in self._grids]
             self._before = places
         paths, prey = self._paths, np.flatnonzero(self._paths.is_prey & np.isfinite(places[:, 0]))
         for scene, (cells, first) in enumerate(zip(self._cells, self._first, strict=True)):
@@ -107,16 +95,14 @@ class Coverage:
             first[-1] = np.inf
             if box.rounded(world.boundary):
                 first[:-1][~box.inside(cells.middles, world.size[:2], world.boundary)] = np.inf
-            tool = tool_radius(paths.subjects[scene].scenario)
-            under = self._grids[scene].around(_reaching_in(places[mine, :2], world, tool), tool)
+            under = self._grids[scene].under(places[mine, :2])
             self._swept[scene][under] = np.minimum(self._swept[scene][under], tick)
         self._before = places.copy()
 
     def share(self, time: float) -> float:
         """Give the share of the ground that is clean."""
-        pairs = zip(self._swept, self._free, strict=True)
-        done = sum(int((swept[:-1][free] <= time).sum()) for swept, free in pairs)
-        return done / max(sum(int(free.sum()) for free in self._free), 1)
+        done = sum(int((swept <= time).sum()) for swept in self._swept)
+        return done / max(sum(int(grid.free.sum()) for grid in self._grids), 1)
 
     def drawn(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Draw the cleaned cells; those that shine no more in whole rows."""
@@ -136,6 +122,13 @@ class Coverage:
                 tiles[:, WINDOW] = scene
                 rows.append(tiles)
         return np.concatenate(rows)
+
+
+def _grid(subject: Recording | Live) -> Sweep:
+    """Give the grid on which a subject's ground is counted."""
+    world = subject.scenario.world
+    cell = subject.scenario.coverage.cell or max(world.size[:2]) / FINE
+    return Sweep(cell, tool_radius(subject.scenario), world, subject.obstacle_position[:, :2], subject.obstacle_radius)
 
 
 def _reaching_in(spots: np.ndarray, world: World, reach: float) -> np.ndarray:

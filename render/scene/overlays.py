@@ -32,12 +32,12 @@ class Overlays:
         scenarios = [subject.scenario for subject in paths.subjects]
         linked = {n for n, scenario in enumerate(scenarios) if sprung(scenario)} if "links" in names else set()
         self._springs = {scene: Springs(paths, scene, theme) for scene in linked}
-        sights = np.array([(scenario.predators.perception, scenario.prey.perception) for scenario in scenarios])
+        sights = np.array([(scenario.prey.perception, scenario.predators.perception) for scenario in scenarios])
         self._chased = [chased(scenario) for scenario in scenarios] if "pursuit" in names else []
-        self._sight = sights[paths.scene, paths.is_prey.astype(int)]
+        self._sight = sights[paths.scene, paths.kind]
         flat = np.array([scenario.world.dim == 2 for scenario in scenarios])
-        views = np.array([(scenario.predators.field_of_view, scenario.prey.field_of_view) for scenario in scenarios])
-        self._view = np.where(flat[:, None], views, 360.0)[paths.scene, paths.is_prey.astype(int)]
+        views = np.array([(scenario.prey.field_of_view, scenario.predators.field_of_view) for scenario in scenarios])
+        self._view = np.where(flat[:, None], views, 360.0)[paths.scene, paths.kind]
 
     def below(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw what lies under the agents. windows: as in `Scene.frame`."""
@@ -62,7 +62,7 @@ class Overlays:
 
     def _perception(self, here: Snapshot, camera: Camera) -> np.ndarray:
         """Circle what agents perceive; of who sees nobody behind it, in a flat world, a sector."""
-        hues = np.array([colour(self._theme.predator), colour(self._theme.prey[0])])[self._paths.is_prey[here.who].astype(int)]
+        hues = np.array([colour(self._theme.prey[0]), colour(self._theme.predator)])[self._paths.kind[here.who]]
         reach, round_about = self._sight[here.who] * camera.scale * here.near, self._view[here.who] >= 360
         circles = rings(here.centre[round_about], reach[round_about], 1.1 * self._unit, hues[round_about], 0.28)
         rows = [self._cut(circles, here.who[round_about])]

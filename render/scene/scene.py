@@ -13,7 +13,7 @@ from render.scene.overlays import Overlays
 from render.scene.snapshot import Snapshot, now
 from render.scene.trails import Trails
 from render.scene.trajectories import ACTING, ALARMED, EXPLODING, Trajectories
-from render.source import Live, is_endless
+from render.source import Kind, Live, is_endless
 from render.style import Look
 from tiswarm.records.recording import Recording
 
@@ -52,9 +52,9 @@ class Scene:
         behind = look.trail * look.speed
         self.paths = Trajectories(subjects, behind, knots)
         self._trails = Trails(self.paths, behind, self.theme.trail_alpha)
-        prey, scene = self.paths.is_prey, self.paths.scene
-        crowds = [np.bincount(scene[prey == kind], minlength=len(subjects)).max() for kind in (False, True)]
-        self._lone = np.array(crowds)[prey.astype(int)] < CROWDED
+        kinds, scene = self.paths.kind, self.paths.scene
+        crowds = [np.bincount(scene[kinds == kind], minlength=len(subjects)).max() for kind in Kind]
+        self._lone = np.array(crowds)[kinds] < CROWDED
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
         swept = any(subject.scenario.coverage.cell for subject in subjects)
         overlay = {*look.overlay, *(() if self._lone.all() else ("density",)), *(("coverage",) if swept else ())}
@@ -77,12 +77,12 @@ class Scene:
     def _size_up(self) -> None:
         """Find out what about each agent never changes: [agent]."""
         paths = self.paths
-        crowds = [np.bincount(paths.scene[paths.is_prey == prey], minlength=len(self.subjects)) for prey in (False, True)]
-        radii = [[getattr(subject.scenario, kind).radius for subject in self.subjects] for kind in ("predators", "prey")]
+        crowds = [np.bincount(paths.scene[paths.kind == kind], minlength=len(self.subjects)) for kind in Kind]
+        radii = [[getattr(subject.scenario, kind.name.lower()).radius for subject in self.subjects] for kind in Kind]
         readable = READABLE * self.unit * (1.0 if self._lone.all() else ABOVE)
         least = [np.maximum(readable * np.minimum(1, (CROWD / np.maximum(c, 1)) ** 0.5), SMALLEST) for c in crowds]
-        prey, scene = paths.is_prey.astype(int), paths.scene
-        self._radius, self._least = np.array(radii)[prey, scene], np.array(least)[prey, scene]
+        kinds, scene = paths.kind, paths.scene
+        self._radius, self._least = np.array(radii)[kinds, scene], np.array(least)[kinds, scene]
         self._swatch = np.array([colour(each) for each in self.theme.prey])
         self._grounded = not any(is_endless(subject) for subject in self.subjects)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.source import Live, Moment, played
+from render.source import Kind, Live, Moment, played
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.space import box
 
@@ -27,7 +27,7 @@ class _Part:
     """The prey or the predators of one subject: where they stand among all agents."""
 
     scene: int
-    kind: int
+    kind: Kind
     agents: slice
 
 
@@ -38,7 +38,8 @@ class Trajectories:
     reaches back to them: memory does not grow with time. A recording can be gone back in, a live simulation cannot.
 
     count, prey: how many agents there are, and how many of them are prey. dim: 2 or 3.
-    scene: [agent], which subject each belongs to. is_prey: [agent], bool. ticks: [subject], how many each runs.
+    scene: [agent], which subject each belongs to. kind: [agent], a Kind; is_prey: [agent], bool.
+    ticks: [subject], how many each runs.
     end: [agent], the tick at which the agent is gone, inf for those of whom that is not known. fate: [agent], as in FATES.
     latecomers: whether anybody came after the start.
     period: [agent, dim], size of a periodic world, 0 for others; None when no world is periodic.
@@ -70,13 +71,14 @@ class Trajectories:
         if any(prey.position.shape[1] != self.dim for prey, _ in first):
             raise ValueError("recordings: some are flat and some are 3-D; film them one by one")
         self._parts, start = [], 0
-        for kind in (0, 1):
+        for kind in Kind:
             for scene, both in enumerate(first):
                 end = start + len(both[kind].position)
                 self._parts.append(_Part(scene, kind, slice(start, end)))
                 start = end
         self.count, self.prey = start, sum(len(prey.position) for prey, _ in first)
         self.is_prey = np.arange(start) < self.prey
+        self.kind = np.where(self.is_prey, Kind.PREY, Kind.PREDATORS)
         self.scene = np.concatenate([np.full(part.agents.stop - part.agents.start, part.scene) for part in self._parts])
         self.ticks = np.array([subject.ticks for subject in self.subjects])
         worlds = [subject.scenario.world for subject in self.subjects]

@@ -7,6 +7,7 @@ from math import ceil
 import numpy as np
 
 from tiswarm.records.recording import Recording
+from tiswarm.scenario.model import World
 from tiswarm.space import box
 
 
@@ -37,6 +38,35 @@ def states(recording: Recording, least: int = 1) -> Iterator[tuple[int, np.ndarr
             yield tick, here, recording.prey.position[tick, here]
 
 
+class Sweep:
+    """A flat world's grid under the tools of prey: a cell is swept when a tool lies on its centre.
+
+    free: [row, column], the cells that can be swept.
+    """
+
+    def __init__(self, cell: float, tool: float, world: World, centre: np.ndarray, radius: np.ndarray):
+        """Take a cell's side and a tool's radius [m], a world, and obstacles: centre [obstacle, 2], radius [obstacle], m."""
+        size = world.size[:2]
+        self.free = free_cells(cell, size, world.boundary, centre, radius)
+        self._cell, self._reach = cell, tool / cell
+        self._period = box.period(size, world.boundary)
+        self._window = np.arange(min(int(2 * self._reach) + 2, max(self.free.shape)))
+
+    def under(self, places: np.ndarray) -> np.ndarray:
+        """Give the numbers, row by row, of the free cells under tools at places [tool, 2]: a cell once for each tool on it."""
+        down, across = self.free.shape
+        x, y = (box.images(places, self._period) / self._cell - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
+        columns, rows = (np.maximum(np.ceil(each - self._reach), 0).astype(int) + self._window for each in (x, y))
+        off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
+        if self._period.any():  # a tool wider than the world is under a cell but once
+            half_x, half_y = self._period / self._cell / 2
+            near_x, near_y = ((way <= half) & (-half < way) for way, half in ((columns - x, half_x), (rows - y, half_y)))
+            off[~(near_x[:, None, :] & near_y[:, :, None])] = np.inf
+        lies = (off <= self._reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
+        cells = (rows[:, :, None] * across + columns[:, None, :])[lies]
+        return cells[self.free.flat[cells]]
+
+
 @dataclass(frozen=True)
 class Ground:
     """The ground that prey swept with their tools.
@@ -56,30 +86,19 @@ def ground(recording: Recording) -> Ground:
     if not side:
         raise ValueError("coverage: the scenario has no grid; set coverage.cell")
     world = recording.scenario.world
-    free = free_cells(side, world.size, world.boundary, recording.obstacle_position, recording.obstacle_radius)
-    down, across = free.shape
-    reach = recording.scenario.coverage.tool / side
-    window = np.arange(min(int(2 * reach) + 2, max(free.shape)))
-    visits = np.zeros(free.size)
+    sweep = Sweep(side, recording.scenario.coverage.tool, world, recording.obstacle_position, recording.obstacle_radius)
+    visits = np.zeros(sweep.free.size)
     swept, total, squares = np.zeros((3, recording.ticks + 1))
     for tick, _, places in states(recording):
-        x, y = (box.images(places, recording.period) / side - 0.5).T[:, :, None]  # in cells, whole numbers at their centres
-        columns, rows = (np.maximum(np.ceil(each - reach), 0).astype(int) + window for each in (x, y))
-        off = ((columns - x) ** 2)[:, None, :] + ((rows - y) ** 2)[:, :, None]
-        if recording.period.any():  # a tool wider than the world is under a cell but once
-            half_x, half_y = recording.period / side / 2
-            near_x, near_y = ((way <= half) & (-half < way) for way, half in ((columns - x, half_x), (rows - y, half_y)))
-            off[~(near_x[:, None, :] & near_y[:, :, None])] = np.inf
-        under = (off <= reach**2) & (columns < across)[:, None, :] & (rows < down)[:, :, None]
-        cells = (rows[:, :, None] * across + columns[:, None, :])[under]
-        cells, times = np.unique(cells[free.flat[cells]], return_counts=True)
+        cells, times = np.unique(sweep.under(places), return_counts=True)
         swept[tick] = (visits[cells] == 0).sum()
         total[tick] = times.sum()
         squares[tick] = (times * (2 * visits[cells] + times)).sum()
         visits[cells] += times
-    count = max(int(free.sum()), 1)
+    count = max(int(sweep.free.sum()), 1)
     spread = variation(total.cumsum(), squares.cumsum(), count)
-    return Ground(swept.cumsum() / count, spread, np.where(free, visits.reshape(free.shape), -1).astype(np.int64))
+    visited = np.where(sweep.free, visits.reshape(sweep.free.shape), -1).astype(np.int64)
+    return Ground(swept.cumsum() / count, spread, visited)
 
 
 def coverage(recording: Recording) -> np.ndarray:
