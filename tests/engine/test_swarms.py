@@ -83,8 +83,8 @@ def test_a_trial_among_others_is_the_trial_alone(boundary, f32):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_boids_without_memory_keep_no_rows_by_number(dim, f32):
-    layout = ParameterTable(Specialisation.of([world(4.0, dim)], 0), runtime.types().lanes)
-    assert kept_rows(layout, "prey", mortal=False) == []
+    layout = ParameterTable(Specialisation.of([world(4.0, dim)], 0, mortal=False), runtime.types().lanes)
+    assert kept_rows(layout, "prey") == []
 
 
 def test_terms_between_pairs_conserve_momentum(f64):

@@ -103,13 +103,15 @@ class WorldKind:
 class Specialisation:
     """What selects a kernel's code: two batches with equal structures share one kernel.
 
-    hunted: whether there are predators at all. terms: whether agents note their velocity behind each term of a move.
+    hunted: whether there are predators at all. mortal: whether anybody may die or arrive, or be seen by opponents.
+    terms: whether agents note their velocity behind each term of a move.
     commanded: which kinds of agents obey a program outside, and what it tells them (commands.py).
     """
 
     frame: WorldKind
     parts: tuple[Part, ...]
     hunted: bool
+    mortal: bool = True
     terms: bool = False
     commanded: tuple[tuple[str, str], ...] = ()
 
@@ -119,10 +121,13 @@ class Specialisation:
         scenarios: Sequence[Scenario],
         predator_count: int,
         *,
+        mortal: bool = True,
         terms: bool = False,
         commanded: tuple[tuple[str, str], ...] = (),
     ) -> "Specialisation":
         """Find the structure that serves all scenarios of a batch; predator_count: the most in any trial.
+
+        mortal: as above; small trials always are, so that those with and without obstacles share a kernel.
 
         Errors: ScenarioError when their worlds are of different kinds.
         """
@@ -144,4 +149,4 @@ class Specialisation:
                 users = [scenario for scenario, own in zip(scenarios, chosen, strict=True) if name in own]
                 shape = network_columns.shape_of(users, kind) if role == "strategy" else None
                 parts.append(Part(kind, role, catalogue, name, mixed, shape))
-        return cls(frames.pop(), tuple(parts), hunted, terms, commanded)
+        return cls(frames.pop(), tuple(parts), hunted, mortal, terms, commanded)

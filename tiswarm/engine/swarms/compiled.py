@@ -18,17 +18,18 @@ class SwarmKernels:
     contacts: contacts.ContactKernels | None
 
 
-def of(layout: ParameterTable, grids: dict[str, Grid], mortal: bool) -> SwarmKernels:
+def of(layout: ParameterTable, grids: dict[str, Grid]) -> SwarmKernels:
     """Give the kernels for a structure and kinds of grids, built once per runtime."""
     near = SimpleNamespace(**{kind: grid.funcs for kind, grid in grids.items()})
-    key = ("swarm", layout.structure, mortal, *(id(funcs) for funcs in vars(near).values()))
-    return runtime.kept(key, lambda: _build(layout, near, mortal))
+    key = ("swarm", layout.structure, *(id(funcs) for funcs in vars(near).values()))
+    return runtime.kept(key, lambda: _build(layout, near))
 
 
-def _build(layout: ParameterTable, near: SimpleNamespace, mortal: bool) -> SwarmKernels:
+def _build(layout: ParameterTable, near: SimpleNamespace) -> SwarmKernels:
     types = runtime.types()
     see = views.build(layout, types)
     senses = near_cells.build(layout, types, see, near)
     uniform = spawn.build(layout, types).uniform
-    tick = kernels.build(layout, types, see, senses, near, uniform, mortal)
-    return SwarmKernels(tick, contacts.build(layout, types, see, senses, near) if mortal else None)
+    tick = kernels.build(layout, types, see, senses, near, uniform)
+    judged = contacts.build(layout, types, see, senses, near) if layout.structure.mortal else None
+    return SwarmKernels(tick, judged)

@@ -229,7 +229,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
     A crowd is as in near_cells.py, with `cold` and `count` (how many agents a trial starts with) beside.
     """
     real, frame, hunted = types.real, layout.structure.frame, layout.structure.hunted
-    carried = {kind: transfer.build(layout, types, see, senses, kind, True) for kind in ("prey", "predators")}
+    carried = {kind: transfer.build(layout, types, see, senses, kind) for kind in ("prey", "predators")}
     parts = _Parts(layout, types, see, senses, near, contact.build(layout, types, see), carried)
     crash_prey, crash_predators = _crashes(parts, "prey"), _crashes(parts, "predators")
     touch_predators = _touches(parts, "prey", "predators") if hunted else None

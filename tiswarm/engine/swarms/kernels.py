@@ -107,7 +107,6 @@ def build(
     senses: CellSearch,
     near: Any,
     uniform: Any,
-    mortal: bool,
 ) -> TickKernels:
     """Build the kernels of a tick, and what the host asks about them: whether prey have memory to begin with or to update.
 
@@ -117,7 +116,7 @@ def build(
     lanes, frame = types.lanes, layout.structure.frame
     driven = steering.build(layout, types, see, senses, uniform)
     steps = driven.steps
-    carried = {kind: transfer.build(layout, types, see, senses, kind, mortal) for kind in ("prey", "predators")}
+    carried = {kind: transfer.build(layout, types, see, senses, kind) for kind in ("prey", "predators")}
     parts = MoveParts(layout, types, see, near, driven, carried)
 
     @ti.func

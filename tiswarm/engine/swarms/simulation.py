@@ -66,7 +66,8 @@ class Swarm(SwarmState):
             scenario = start.applied(scenario)
         check(scenario)
         unmeasured = scenario.replaced({"measures.names": [], "coverage.cell": 0})  # measures.py has kernels of its own
-        structure = Specialisation.of([unmeasured], scenario.predators.count, terms=terms)
+        mortal = bool(scenario.predators.count or scenario.obstacles.count or scenario.target.present)
+        structure = Specialisation.of([unmeasured], scenario.predators.count, mortal=mortal, terms=terms)
         if not sweeps(scenario):  # nobody asks then how far agents came, and nothing need be kept
             structure = replace(structure, frame=replace(structure.frame, swept=False))
         layout = ParameterTable(structure, runtime.types().lanes)

@@ -27,8 +27,7 @@ class SwarmState:
     """Trials of a scenario with any number of agents, tick by tick.
 
     age: moves made so far. ticks: how many it may make. counts: [trial, (alive, arrived, captured, crashed)] of the prey.
-    mortal: whether anybody can die or arrive. ended: [trial], bool; ended_at, first_arrival, last_arrival: [trial], ticks, 0
-    where that has not happened yet.
+    ended: [trial], bool; ended_at, first_arrival, last_arrival: [trial], ticks, 0 where that has not happened yet.
     """
 
     def __init__(self, scenario: Scenario, layout: ParameterTable, seed: int, trial: int, states: initial.States) -> None:
@@ -37,11 +36,10 @@ class SwarmState:
         self.scenario, self.seed, self.trial = scenario, seed, trial
         self.ticks, self.age = scenario.world.ticks, 0
         self._layout = layout
-        self.mortal = bool(layout.structure.hunted or scenario.obstacles.count or scenario.target.present)
         self._crowds = {}
         for kind, (position, velocity) in states.items():
             grid = self._grid(kind, position, velocity)
-            kept = transfer.kept_rows(layout, kind, mortal=self.mortal) if kind != "obstacles" else []
+            kept = transfer.kept_rows(layout, kind) if kind != "obstacles" else []
             cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
             self._crowds[kind] = Population(grid, cold, kept)
         self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
@@ -81,8 +79,13 @@ class SwarmState:
         grid.place(position, velocity)
         return grid
 
+    @property
+    def mortal(self) -> bool:
+        """Tell whether anybody may die or arrive."""
+        return self._layout.structure.mortal
+
     def _built(self) -> SwarmKernels:
-        return compiled.of(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()}, self.mortal)
+        return compiled.of(self._layout, {kind: crowd.grid for kind, crowd in self._crowds.items()})
 
     def _begin(self) -> None:
         """Give memories their first values, and headings to unicycles."""

@@ -18,13 +18,10 @@ CHUNKS = 32
 """Blocks of a swarm are dealt to threads in so many shares, each with scratch rows of its own."""
 
 
-def kept_rows(layout: ParameterTable, kind: str, *, mortal: bool) -> list[int]:
-    """List the rows of an agent that a large swarm keeps from tick to tick beside place and motion: columns of the cold rows.
-
-    mortal: whether agents can die, arrive or be seen by opponents at all.
-    """
+def kept_rows(layout: ParameterTable, kind: str) -> list[int]:
+    """List the rows of an agent that a large swarm keeps from tick to tick beside place and motion: its cold columns."""
     rows = layout.rows
-    kept = [rows.alive, rows.fate, rows.seen, rows.hit, *rows.travel] if mortal else []
+    kept = [rows.alive, rows.fate, rows.seen, rows.hit, *rows.travel] if layout.structure.mortal else []
     if layout.parts(kind, "avoidance", "field"):
         kept += rows.field
     if kind in layout.structure.frame.unicycles:
@@ -50,11 +47,11 @@ class Transfer:
     number_in: Func  # give the number of the agent in a slot, from 0 within its trial
 
 
-def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, kind: str, mortal: bool):
+def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, kind: str):
     """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind."""
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows
-    kept = kept_rows(layout, kind, mortal=mortal)
+    kept = kept_rows(layout, kind)
     wide = len(kept)
     moving = [*rows.place, *rows.motion]
     shown = list(layout.shown(kind).values())
