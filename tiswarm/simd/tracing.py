@@ -2,13 +2,15 @@
 
 Taichi 1.7.4 walks the syntax tree of a kernel, and of every func at each of its calls, in Python; also when the compiled
 kernel lies in the cache, since only the walk tells which kernel it is. Half of that time went into a drawing for each node, its
-line with carets below, that is only shown when an error comes; a tenth into reading the same files again.
+line with carets below, that is only shown when an error comes; a tenth each into reading the same files again, and into
+laying out the same lines again.
 """
 
 import functools
 import inspect
+import textwrap
 from collections.abc import Callable
-from types import CodeType
+from types import CodeType, SimpleNamespace
 from typing import Any
 
 from tiswarm.simd import backend
@@ -30,6 +32,8 @@ def lighten() -> None:
     for name in ("getsourcelines", "getsourcefile"):
         if hasattr(kernel_impl, name):
             setattr(kernel_impl, name, _once(getattr(kernel_impl, name)))
+    if getattr(kernel_impl, "textwrap", None) is textwrap:
+        kernel_impl.textwrap = SimpleNamespace(fill=functools.cache(textwrap.fill), dedent=textwrap.dedent)
 
 
 def _spot(context: Any, node: Any) -> str:
