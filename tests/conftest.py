@@ -14,6 +14,7 @@ from collections import defaultdict
 import pytest
 
 import tiswarm
+from tiswarm.dynamics.specialisation import Specialisation
 
 _compiled: dict[str, list[float]] = defaultdict(list)
 _file = [""]
@@ -82,6 +83,17 @@ def f64():
 def precision(request):
     tiswarm.init(request.param)
     return request.param
+
+
+@pytest.fixture
+def share(monkeypatch):
+    """Let one kernel hold the code of some scenarios, for them all: it takes as long to compile as four that hold one each."""
+
+    def one_kernel(scenarios, **how):
+        joint = Specialisation.of(scenarios, 1, **how)
+        monkeypatch.setattr(Specialisation, "of", classmethod(lambda *_, **__: joint))
+
+    return one_kernel
 
 
 @pytest.fixture

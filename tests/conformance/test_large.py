@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import tiswarm
-from tiswarm.dynamics.specialisation import Specialisation
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.trials.trial import Single
 from tiswarm.strategies import registry
@@ -46,14 +45,12 @@ def compared(scenario, seed=7, trials=2):
 
 
 @pytest.fixture
-def every_strategy(monkeypatch):
-    """Let one kernel hold the code of all strategies: it takes as long to compile as four that hold one each."""
+def every_strategy(share):
     base = tiswarm.load("delft/pronav-10", FEW | CLOSE)
     every = [base.replaced({"prey.strategy": name}) for name in PREY]
     every += [base.replaced({"prey.avoidance": name, "predators.avoidance": name}) for name in AVOIDANCES]
     every += [base.replaced({"predators.strategy": name}) for name in HUNTERS]
-    joint = Specialisation.of(every, 1)
-    monkeypatch.setattr(Specialisation, "of", classmethod(lambda *_, **__: joint))
+    share(every)
     return base
 
 

@@ -28,9 +28,10 @@ CALM = {
 def places(dt, neighbours, changes):
     """Give where everybody is in the end."""
     scenario = tiswarm.load("delft/centre-10", {**CALM, "world.neighbours": neighbours, "world.ticks": round(LASTS / dt)})
-    path = tiswarm.record(scenario.replaced({"world.dt": dt, **changes}), seed=3)
-    assert path.prey.position.shape[0] == round(LASTS / dt) + 1
-    return np.concatenate([path.prey.position[-1], path.predators.position[-1]])
+    moving = tiswarm.Simulation(scenario.replaced({"world.dt": dt, **changes}), seed=3)
+    moving.step(round(LASTS / dt))
+    assert moving.age == round(LASTS / dt)
+    return np.concatenate([moving.position("prey"), moving.position("predators")])
 
 
 CHANGES = {

@@ -111,7 +111,7 @@ EVERY = [
 
 @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(scenarios, min_size=25, max_size=25))
-def test_counts_add_up_on_200_random_scenarios(precision, chosen):
+def test_counts_add_up_on_200_random_scenarios(f32, chosen):
     for results in simulate_many([*EVERY, *chosen], 3):
         np.testing.assert_array_equal(results.alive + results.arrived + results.captured + results.crashed, results.spawned)
         assert ((results.ticks >= 1) & (results.ticks <= results.scenario.world.ticks)).all()
