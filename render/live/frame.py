@@ -101,9 +101,15 @@ class Scene:
 
     def _cloud(self) -> np.ndarray:
         """Give where the prey that are there are: [agent, dim] of uint16."""
-        shares = (self.simulation.position("prey") - self.low) / (self.high - self.low)
-        inside = ((shares >= 0) & (shares < 1)).all(axis=1)  # whoever is gone is nowhere
-        return (shares[inside] * 65_536).astype("<u2")
+        shares = self.simulation.position("prey")
+        shares -= self.low
+        shares /= self.high - self.low
+        inside = np.ones(len(shares), bool)
+        for axis in shares.T:
+            inside &= (axis >= 0) & (axis < 1)  # whoever is gone is nowhere
+        kept = shares if inside.all() else shares[inside]
+        kept *= 65_536
+        return kept.astype("<u2")
 
 
 def _places(names: np.ndarray, known: Sequence[str]) -> np.ndarray:

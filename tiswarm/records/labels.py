@@ -15,6 +15,7 @@ MOST_PAIRS = 10_000_000
 """With more pairs than this nobody is called alarmed: a picture of so many could not show it."""
 
 _ROWS = 1_000_000  # pairs compared at once
+_FIRST = 256  # others looked at before any more are: of a crowd, most see somebody among them
 
 
 def named(
@@ -49,12 +50,15 @@ def _seen(
 ) -> np.ndarray:
     """Tell who has any of the others in view and within perception, as the crow flies in the plane: [agent], bool."""
     found = np.zeros(len(position), bool)
-    rows = max(_ROWS // max(len(others), 1), 1)
-    for first in range(0, len(position) if len(others) else 0, rows):
-        own = slice(first, first + rows)
-        away = box.displacement(position[own, None] - others[None], period)
-        near = np.hypot(away[..., 0], away[..., 1]) <= perception
-        found[own] = (near & in_view(-away, velocity[own], field_of_view)).any(axis=1)
+    first, wide = 0, _FIRST
+    while first < len(others):
+        some, looking = others[first : first + wide], np.flatnonzero(~found)
+        rows = max(_ROWS // len(some), 1)
+        for own in (looking[begin : begin + rows] for begin in range(0, len(looking), rows)):
+            away = box.displacement(position[own, None] - some[None], period)
+            near = np.hypot(away[..., 0], away[..., 1]) <= perception
+            found[own] = (near & in_view(-away, velocity[own], field_of_view)).any(axis=1)
+        first, wide = first + wide, 4 * wide
     return found
 
 
