@@ -14,6 +14,12 @@ const SMALLEST = 2.5;
 const READABLE = 5.2,
   CROWD = 60;
 
+/** Of more agents than this, only those near the edge of a periodic world are drawn beyond it, too; of fewer, everything is. */
+export const CROWDED = 2000;
+
+/** What is drawn of an agent lies within so many of its sizes. */
+const LONGEST = 3;
+
 /**
  * Give how large an agent is on the screen, as it would be at the camera's pivot [px].
  * @param {View} view @param {number} agent
@@ -39,8 +45,29 @@ export function drawAgents(view) {
     drawByDepth(view, lens, sizes);
     return;
   }
-  for (let agent = recording.prey; agent < recording.count; agent++) drawAgent(view, agent, sizes[1]);
-  for (let agent = 0; agent < recording.prey; agent++) drawAgent(view, agent, sizes[0]);
+  const torn = recording.header.boundary === "periodic" && recording.count > CROWDED;
+  for (let agent = recording.prey; agent < recording.count; agent++) {
+    drawAgent(view, agent, sizes[1]);
+    if (torn) drawBeyond(view, agent, sizes[1]);
+  }
+  for (let agent = 0; agent < recording.prey; agent++) {
+    drawAgent(view, agent, sizes[0]);
+    if (torn) drawBeyond(view, agent, sizes[0]);
+  }
+}
+
+/**
+ * Draw an agent near an edge of a periodic world where it comes in at the other.
+ * @param {View} view @param {number} agent @param {number} size
+ */
+function drawBeyond(view, agent, size) {
+  const { recording, paths, lens } = view;
+  const within = (LONGEST * size) / lens.scale;
+  const shifts = [0, 1].map((axis) => {
+    const [place, side] = [paths.spot[agent * 2 + axis], recording.header.size[axis]];
+    return [0, ...(place < within ? [side] : []), ...(place > side - within ? [-side] : [])];
+  });
+  for (const x of shifts[0]) for (const y of shifts[1]) if (x || y) drawAgent(view, agent, size, x, y);
 }
 
 /** @param {View} view @param {Orbit} lens @param {number[]} sizes */
@@ -66,13 +93,16 @@ function drawByDepth(view, lens, sizes) {
   for (const [, draw] of things) draw();
 }
 
-/** @param {View} view @param {number} agent @param {number} size */
-function drawAgent(view, agent, size) {
+/**
+ * @param {View} view @param {number} agent @param {number} size
+ * @param {number} east @param {number} north how far from its place it is drawn [m]
+ */
+function drawAgent(view, agent, size, east = 0, north = 0) {
   const { recording, paths, time, lens, theme } = view;
   if (!paths.seen(agent, time)) return;
   const { dim } = recording;
   const at = agent * dim;
-  const [x, y, z] = [paths.spot[at], paths.spot[at + 1], dim > 2 ? paths.spot[at + 2] : 0];
+  const [x, y, z] = [paths.spot[at] + east, paths.spot[at + 1] + north, dim > 2 ? paths.spot[at + 2] : 0];
   lens.place(x, y, z);
   lens.turn(x, y, z, paths.slope[at], paths.slope[at + 1], dim > 2 ? paths.slope[at + 2] : 0);
   let [hue, reach] = [hueOf(view, agent), size];

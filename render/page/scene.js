@@ -1,6 +1,6 @@
 /** Scene: one recording, ready to be drawn at any time. */
 
-import { drawAgents, pixelOf } from "./agents.js";
+import { CROWDED, drawAgents, pixelOf } from "./agents.js";
 import { Flat, Orbit } from "./camera.js";
 import { drawFlashes, drawMarks } from "./events.js";
 import { drawGround } from "./ground.js";
@@ -16,9 +16,6 @@ import { drawTrails } from "./trails.js";
 /** How far from the world agents may stray and still be fitted [share of its size]: less where space is shared. */
 const STRAY = 0.5,
   STRAY_TOGETHER = 0.08;
-
-/** With more agents than this, those on the edge of a periodic world are cut there: they are small. */
-const CUT = 2000;
 
 /** Past the last tick flashes go on for so many ticks: a second of a film. */
 export const HOLD = 10;
@@ -151,7 +148,7 @@ export class Scene {
     lens.place(width, 0);
     const [x1, y1] = [Math.min(lens.x, rect.x + rect.width), Math.min(lens.y, rect.y + rect.height)];
     this.clip = { x: x0, y: y0, width: Math.max(x1 - x0, 0), height: Math.max(y1 - y0, 0) };
-    if (recording.count > CUT) return;
+    if (recording.count > CROWDED) return;
     for (const x of [-1, 0, 1]) {
       for (const y of [-1, 0, 1]) if (x || y) this.images.push([x * width * lens.scale, y * height * lens.scale]);
     }

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from browser import assert_agents, pixels, shade
+from handmade import path, world
 
 import render
 import tiswarm
@@ -129,6 +130,26 @@ def test_a_periodic_world_has_no_streaks(browser, make, tmp_path):
     allowed = pixels(browser, np.mod(way, size).reshape(-1, 2))
     gaps = np.sqrt(((trails[:, None, :] - allowed[None]) ** 2).sum(axis=2)).min(axis=1)
     assert gaps.max() < 16
+
+
+def test_crowds_go_on_beyond_a_periodic_edge(browser, tmp_path):
+    """Of 2 000 agents all is drawn nine times, of one more only what is near an edge: the picture is the same."""
+    columns, rows = np.meshgrid(np.arange(50), np.arange(40))
+    places = np.stack([0.8 * columns + 0.01, 0.5 * rows + 0.01], axis=-1).reshape(-1, 2)  # 2 000, the first ones on an edge
+    pictures = []
+    for crowd in (places, np.concatenate([places, places[-1:]])):
+        shown = world(
+            path(np.stack([crowd, crowd]), np.array([0.8, 0.3])), **{"world.boundary": "periodic", "prey.radius": 0.02}
+        )
+        browser.open(render.replay(shown, tmp_path / f"{len(crowd)}.html", exact=True), "#tick=0")
+        pictures.append(browser.picture())
+    (x, y), (east, _) = pixels(browser, np.array([places[-1], [39.97, 10.0]])).round().astype(int)
+    assert (pictures[0][:, east - 3 : east] != pictures[0][5, 5]).any()
+    changed = (
+        np.abs(pictures[0] - pictures[1]).max(axis=2) > 24
+    )  # the world's frame is drawn over itself, and a little brighter
+    changed[y - 12 : y + 12, x - 12 : x + 12] = False  # two of them lie there
+    assert not changed.any()
 
 
 def test_the_camera_goes_with_prey_that_leave_an_open_sky(browser, make, tmp_path):
