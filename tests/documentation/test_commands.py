@@ -14,6 +14,7 @@ import render
 import tiswarm
 from tiswarm.cli.entry import app
 from tiswarm.cli.options import assignment
+from tiswarm.learning import keys
 from tiswarm.scenario import presets
 from tiswarm.studies.design import find_study
 
@@ -72,10 +73,12 @@ def test_a_command_is_one_that_the_parser_takes(page, command):
 
 @pytest.mark.parametrize(("page", "command"), MENTIONED, ids=lambda value: value)
 def test_a_command_that_is_mentioned_has_known_options(page, command):
-    words, verb = _verb(command)
+    words, verb = _verb(command.partition(" > ")[0])
     if verb is not None:
         known = {option for each in verb.params for option in each.opts} | {"--help"}
         assert {word.partition("=")[0] for word in words if word.startswith("-")} <= known, command
+        if not any(re.search(r"\.\.\.|[A-Z]{2}", word) for word in words):  # else it says what may stand there
+            _check_scenario(verb.make_context(verb.name, list(words), resilient_parsing=True).params)
 
 
 def _check_scenario(given):
@@ -87,7 +90,9 @@ def _check_scenario(given):
     assert known or not named or "." in named, f"no preset {named}"
     if known:
         sets = [each for each in given.get("sets") or [] if each not in FAULTS]
-        tiswarm.load(named, dict(assignment(each) for each in sets))
+        scenario = tiswarm.load(named, dict(assignment(each) for each in sets))
+        if given.get("over"):
+            keys.arms([scenario], dict(keys.read(each) for each in given["over"]), given.get("network") or "")
     for name in (given.get("versus") or "").split(","):
         if name and known:
             tiswarm.load(named, {"prey.strategy": name})
