@@ -14,8 +14,8 @@ from render.theme import Theme
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
 
-BLUR = np.array([1, 8, 28, 56, 70, 56, 28, 8, 1], np.float32) / 256
-"""Each agent is spread over the cells around its own, by about one and a half of them."""
+BLUR = 8
+"""Each agent is spread over the cells around its own, by one and a half of them: so often each cell is added to the next."""
 
 SPREAD = 0.85
 """Edge of a cell, in mean distances between agents: as fine as their number lets it be without grain."""
@@ -65,7 +65,7 @@ class Density:
             agents = np.flatnonzero(there if len(self._many) == 1 else there & (self._paths.scene == scene))
             if not len(agents):
                 continue
-            own, spots = camera.of(agents[0]), here.spot[agents]
+            own, spots = camera.of(agents[0]), here.spot if len(agents) == len(here.spot) else here.spot[agents]
             if isinstance(own, Orbit):
                 drawn = self._deep(spots, many, scene, own, windows[scene])
             else:
@@ -180,14 +180,15 @@ def _counted(places: np.ndarray, cells: np.ndarray, mode: str, weights: np.ndarr
     places: [point, 2], 0 to 1 in both. mode: what lies beyond the edge, as np.pad names it. weights: [point], 1 when None.
     """
     columns, rows = cells
-    with np.errstate(invalid="ignore"):
-        at = np.floor(places * cells)
-    inside = ((at >= 0) & (at < cells)).all(axis=1)
-    number = np.where(inside, at[:, 1] * columns + at[:, 0], rows * columns).astype(np.int64)
-    counts = np.bincount(number, weights, minlength=rows * columns + 1)[:-1].reshape(rows, columns)
-    rim = len(BLUR) // 2 + 1
-    padded = np.pad(counts.astype(np.float32), rim, mode=mode)  # type: ignore[call-overload]
-    for _ in range(2):
-        length = len(padded) - 2 * (rim - 1)
-        padded = sum(share * padded[n : n + length] for n, share in enumerate(BLUR)).T
-    return padded
+    x, y = (places * cells).T
+    inside = (x >= 0) & (x < columns) & (y >= 0) & (y < rows)  # who is nowhere is not
+    if not inside.all():
+        x, y, weights = x[inside], y[inside], None if weights is None else weights[inside]
+    number = y.astype(np.int64) * columns + x.astype(np.int64)
+    counts = np.bincount(number, weights, minlength=rows * columns).reshape(rows, columns)
+    padded = np.pad(counts.astype(np.float32), BLUR // 2 + 1, mode=mode)  # type: ignore[call-overload]
+    for _ in range(BLUR):
+        padded = padded[1:] + padded[:-1]
+    for _ in range(BLUR):
+        padded = padded[:, 1:] + padded[:, :-1]
+    return padded * np.float32(0.25**BLUR)
