@@ -67,13 +67,20 @@ def pixels(units: float, unit: float) -> int:
 def fitting(text: str, sizes: tuple[float, ...], room: float, most: int, unit: float) -> tuple[list[str], float]:
     """Break a title into at most so many lines, in the largest of some sizes [units of type] that needs no more.
 
-    Where even the smallest needs more lines it gets twice as many: what is left over then was never meant to be read.
+    Words are broken at their hyphens only where no size keeps them whole. Where even the smallest needs more lines it gets
+    twice as many: what is left over then was never meant to be read.
     """
-    for size in sizes:
-        lines = wrapped(text, pixels(size, unit), int(room), most + 1)
-        if len(lines) <= most and not any(line.endswith("…") for line in lines):
-            return _evenly(text, pixels(size, unit), int(room), lines), size
+    for whole in (True, False):
+        for size in sizes:
+            lines = wrapped(text, pixels(size, unit), int(room), most + 1)
+            if len(lines) <= most and not any(line.endswith("…") for line in lines) and not (whole and _broken(text, lines)):
+                return _evenly(text, pixels(size, unit), int(room), lines), size
     return wrapped(text, pixels(sizes[-1], unit), int(room), 2 * most), sizes[-1]
+
+
+def _broken(text: str, lines: list[str]) -> bool:
+    """Tell whether a line ends within a word."""
+    return any(line.endswith("-") and line.split()[-1] not in text.split() for line in lines)
 
 
 def _evenly(text: str, size: int, room: int, lines: list[str]) -> list[str]:
@@ -82,7 +89,7 @@ def _evenly(text: str, size: int, room: int, lines: list[str]) -> list[str]:
         return lines
     for narrow in range(room // 2, room, max(room // 40, 1)):
         even = wrapped(text, size, narrow, len(lines) + 1)
-        if len(even) == len(lines) and not any(line.endswith("…") for line in even):
+        if len(even) == len(lines) and not any(line.endswith("…") for line in even) and not _broken(text, even):
             return even
     return lines
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import render
+from render.captions.caption import fitting
 from render.raster import faces
 from render.raster.glyphs import Atlas, width, wrapped
 
@@ -74,6 +75,16 @@ def test_long_words_break_behind_their_hyphens():
         "navigation predators",
     ]
     assert wrapped("a network of 13-16-2 in 3-D", 20, 130, 9) == ["a network of", "13-16-2 in 3-D"]
+
+
+def test_titles_shrink_before_a_word_is_broken():
+    title = "Six prey run fifteen proportional-navigation predators through ten obstacles"
+    lines, size = fitting(title, (34, 30, 26, 22), 252, 5, 1.0)
+    assert size < 34
+    assert "proportional-navigation" in " ".join(lines).split()
+    lines, size = fitting(title, (34,), 252, 9, 1.0)
+    assert size == 34
+    assert any(line.endswith("proportional-") for line in lines)
 
 
 def test_wrapped_lines_fit_and_end_in_an_ellipsis():
