@@ -74,7 +74,7 @@ class Density:
                 each[:, WINDOW] = scene
             rows += drawn
         if self._texels:
-            self._atlas.texels = np.concatenate(self._texels)
+            self._atlas.texels = self._texels[0] if len(self._texels) == 1 else np.concatenate(self._texels)
         return np.concatenate(rows)
 
     def _flat(self, spots: np.ndarray, many: int, scene: int, camera: Camera, window: np.ndarray) -> list[np.ndarray]:
@@ -88,7 +88,7 @@ class Density:
             low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
         mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
         density = _counted((spots - low) / (far - low), cells, mode) * np.prod(cells / (far - low))
-        texels = self.scale.colours.take(self.scale.level(density), axis=0)[::-1]  # y points up in the world, not on the screen
+        texels = self.scale.colours.take(self.scale.level(density)[::-1], axis=0)  # y points up in the world, not on the screen
         first, shapes = self._write(texels), []
         edges = np.array(
             [
