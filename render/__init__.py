@@ -9,6 +9,8 @@ _HOMES = {
     "check_image": "films",
     "frames": "films",
     "poster": "films",
+    "moment": "drawing.moment",
+    "check_moment": "drawing.moment",
     "sheet": "films",
     "still": "films",
     "replay": "page.document",
@@ -40,8 +42,10 @@ __all__ = [
     "Theme",
     "check_film",
     "check_image",
+    "check_moment",
     "film",
     "frames",
+    "moment",
     "poster",
     "replay",
     "sheet",
@@ -51,6 +55,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from render.captions.among import Among
+    from render.drawing.moment import check_moment, moment
     from render.encoder import QUALITIES, FilmError
     from render.films import Film, check_film, check_image, film, frames, poster, sheet, still
     from render.page.document import replay

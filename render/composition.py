@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +30,9 @@ from render.style import Look
 from render.timeline import Rate, length, times
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
+
+if TYPE_CHECKING:
+    from render.raster.canvas import Canvas
 
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
@@ -63,16 +68,16 @@ class Composition:
         yuv: bool,
         labels: Sequence[str] | None = None,
         field: Field | None = None,
+        atlas: Atlas | None = None,
     ):
-        """Set everything up; a still camera's ground is laid once and for all.
+        """Set everything up.
 
-        labels: names of several subjects, by default what tells them apart. field: arrows to draw on the ground.
+        labels: names of several subjects, by default what tells them apart. field: arrows to draw on the ground. atlas: takes
+        what is written, a new one when None.
 
         Errors: ValueError for no subject, another number of labels than subjects, or a live simulation that is to be looked
         ahead in.
         """
-        from render.raster.canvas import Canvas
-
         alone = isinstance(subject, Recording | Live)
         subjects = [subject] if isinstance(subject, Recording | Live) else list(subject)
         if not subjects:
@@ -90,7 +95,7 @@ class Composition:
             field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
             subjects = [turned(each) for each in subjects]
         self.look, self._backdrop, self._field = look, look.colours["backdrop"], field
-        self._atlas = Atlas(look.colours.type_weight)
+        self._atlas = atlas or Atlas(look.colours.type_weight)
         self.caption: Panel | Mosaic | None = None
         if alone:
             self._single(subjects[0], size, note)
@@ -102,10 +107,18 @@ class Composition:
         self._unit = unit_of(size)
         self._told = self._story()
         self._cards = Cards(self.scene, size, self._unit, self._atlas, counters(self.scene) if alone else [], note)
-        self._windows = self._cuts(size)
-        self.canvas = Canvas(size, self._atlas, yuv=yuv)
+        self.windows = self._cuts(size)
+        self._size, self._yuv = size, yuv
+
+    @cached_property
+    def canvas(self) -> "Canvas":
+        """Give what frames are drawn on; a still camera's ground is laid on it once and for all."""
+        from render.raster.canvas import Canvas
+
+        canvas = Canvas(self._size, self._atlas, yuv=self._yuv)
         if self._still:
-            self.canvas.lay(self._backdrop, self._ground(0.0), self._windows)
+            canvas.lay(self._backdrop, self._ground(0.0), self.windows)
+        return canvas
 
     def _cuts(self, size: tuple[int, int]) -> np.ndarray:
         """Give the windows that shapes are cut to: for each subject one for what moves, then one for its world, and the frame.
@@ -151,11 +164,18 @@ class Composition:
 
     def frame(self, time: float, out: Framebuffer, above: np.ndarray = NONE) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated, and shapes above it; return its bytes."""
-        moving = self.scene.frame(time, self._camera(time), self._windows)
-        shapes = np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time), above])
+        shapes = np.concatenate([self._moving(time), above])
         if self._still:
-            return self.canvas.draw(shapes, self._windows, out)
-        return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self._windows, out)
+            return self.canvas.draw(shapes, self.windows, out)
+        return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self.windows, out)
+
+    def shapes(self, time: float) -> np.ndarray:
+        """Give all shapes of the frame of a time [ticks], its ground first."""
+        return np.concatenate([self._ground(time), self._moving(time)])
+
+    def _moving(self, time: float) -> np.ndarray:
+        moving = self.scene.frame(time, self._camera(time), self.windows)
+        return np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time)])
 
     def _camera(self, time: float) -> Camera:
         """Give the camera for all agents."""
@@ -174,7 +194,7 @@ class Composition:
                 rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time)))
                 rows[-1][:, WINDOW] = len(self.boxes) + n
             if self.caption and self.caption.shown:
-                edges = self._windows[-2]
+                edges = self.windows[-2]
                 bars = [lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time))]
                 if self.scene.density:
                     bars.append(self.scene.density.scale.bar(edges, theme, self._atlas, self._unit))
@@ -194,10 +214,10 @@ class Composition:
         grounds = []
         for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
             window = len(self.boxes) + n
-            images = self._images(subject, held, time, self._windows[window])
+            images = self._images(subject, held, time, self.windows[window])
             deep = isinstance(images[0], Orbit)
             endless = is_endless(subject) if deep else not box.bounded(subject.scenario.world.boundary)
-            seen = self._windows[window] if endless or len(images) > 1 else None
+            seen = self.windows[window] if endless or len(images) > 1 else None
             unit = self.scene.unit
             grounds.append(background.ground(subject, self.look.colours, unit, images, seen, self._field))
             grounds[-1][:, WINDOW] = window

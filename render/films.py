@@ -76,7 +76,7 @@ def film(
     form, rate = check_film(target, size, fps, quality)
     stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
     done, total = 0, stage.length(rate) - (faded(stage, rate) if stage.look.loop else 0)
-    with encoder(target, size, rate, form, _notes(stage), stage.canvas.blank) as reel:
+    with encoder(target, size, rate, form, notes(stage), stage.canvas.blank) as reel:
         for plate in drawn(stage, rate, reel.blank):
             reel.put(plate)
             done += 1
@@ -226,7 +226,7 @@ def _save(image: np.ndarray, path: Path) -> Path:
     return path
 
 
-def _notes(stage: Composition) -> dict[str, str]:
+def notes(stage: Composition) -> dict[str, str]:
     """Say in the film's metadata where it comes from."""
     recordings = stage.scene.subjects
     first = recordings[0]

@@ -62,6 +62,10 @@ def film(
     poster: Annotated[
         Path | None, typer.Option("--poster", metavar="FILE", help="Also write the liveliest frame as an image.")
     ] = None,
+    moment: Annotated[
+        tuple[float, Path] | None,
+        typer.Option("--moment", metavar="T FILE", help="Write a moment [ticks] as .pdf or .svg; a film only with -o."),
+    ] = None,
     sheet: Annotated[Path | None, typer.Option("--sheet", metavar="FILE", help="Also write a contact sheet.")] = None,
     subtitles: Annotated[
         Path | None, typer.Option("--subtitles", metavar="FILE", help="Also write what happens as subtitles (.vtt).")
@@ -121,6 +125,7 @@ def film(
 
     use = _use(purpose)
     overlays = tuple(name for name in names(overlay) if name not in FIELDS)
+    printed = theme or (use.theme if use else "print")
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
     look["label"] = _numbers(label)
@@ -136,7 +141,10 @@ def film(
             render.check_image(image)
     if subtitles is not None and subtitles.suffix.lower() != ".vtt":
         raise WrongInput(f"--subtitles {subtitles}: unknown format; name a file that ends in .vtt")
-    for each in (planned, poster, sheet, subtitles):
+    if moment is not None:
+        render.check_moment(moment[1])
+    filmed = moment is None or output is not None
+    for each in (planned if filmed else None, moment and moment[1], poster, sheet, subtitles):
         if each is not None:
             check_writable(each.parent)
     picks = [pick for pick, wanted in (("worst", worst), ("median", median), ("best", best)) if wanted]
@@ -164,7 +172,14 @@ def film(
     for sampled in FIELDS:
         if sampled in names(overlay):
             look["field"] = field(subject, sampled)
-    _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
+    if moment is not None:
+        path = render.moment(
+            again(subject), moment[1], moment[0], pixels if size or use else None, **{**look, "theme": printed}
+        )
+        if not quiet:
+            out.print(f"{path}  (tick {moment[0]:g})")
+    if filmed:
+        _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(again(subject), poster, size=pixels, time=middle(subject), **look)
     if sheet is not None:

@@ -1,0 +1,1 @@
+"""Drawing: a moment as vectors: shapes as paths, words as text."""
