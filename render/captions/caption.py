@@ -193,5 +193,5 @@ def introduced(scene: Scene) -> list[tuple[str, str, str]]:
 
 def notes(subject: Recording | Live) -> str:
     """Say where a subject comes from, and what of its preset was changed."""
-    which = f"trial {subject.trial} · seed {subject.seed}"
+    which = f"trial\N{NO-BREAK SPACE}{subject.trial} · seed\N{NO-BREAK SPACE}{subject.seed}"
     return " · ".join(each for each in (subject.scenario.source, told(changes(subject.scenario)), which) if each)

@@ -92,7 +92,7 @@ def breakable(text: str) -> list[str]:
     What joins again with nothing between it is the text with single spaces.
     """
     pieces: list[str] = []
-    for word in text.split():
+    for word in re.findall(r"[^ \t\n]+", text):  # a no-break space holds what it joins
         for letter in word:
             wide = unicodedata.east_asian_width(letter) in "WF" and unicodedata.category(letter)[0] != "P"
             before = pieces[-1] if pieces else " "
