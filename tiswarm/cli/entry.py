@@ -18,7 +18,7 @@ from tiswarm.cli.replay import replay
 from tiswarm.cli.run import run
 from tiswarm.cli.speed import speed
 from tiswarm.cli.tune import tune
-from tiswarm.simd.backend import BACKENDS
+from tiswarm.simd.backend import BACKENDS, MissingBackend
 from tiswarm.simd.backend import version as backend_version
 from tiswarm.system.progress import INTERRUPTED, end_work, heed_interrupts, listen_for_interrupts
 from tiswarm.system.words import fault, safe
@@ -58,7 +58,7 @@ def main() -> NoReturn:
         code = _complain(told, 1)
     except RuntimeError as error:
         code = _complain(str(error) or type(error).__name__, 1)
-    except ValueError as error:
+    except (ValueError, MissingBackend) as error:
         code = _complain(str(error), 2)
     except typer.Exit as stop:
         code = stop.exit_code

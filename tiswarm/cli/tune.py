@@ -1,6 +1,9 @@
 """Tune: numbers of a scenario found by search, printed, written and drawn."""
 
 import importlib.util
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -47,6 +50,7 @@ _CHECKS = _option("--checks", "N", "Trials that tell which generation was best."
 _VALIDATION = _option("--validation", "N", "Trials that no search saw, on which alone the result is told.")
 _OUTPUT = _option("-o --output", "DIR", "Where to write; out/tune-PRESET when left out.")
 _FRESH = _option("--fresh", None, "Throw away what the folder holds, instead of going on with it.")
+_CLUSTER = _option("--cluster", "ADDRESS", "Run candidates on the workers of a Dask scheduler; local or local:N starts N here.")
 _FILM = _option("--film", None, "Also film start and found side by side, trial 0, as DIR/film.mp4.")
 
 
@@ -68,6 +72,7 @@ def tune(
     output: Annotated[Path | None, _OUTPUT] = None,
     fresh: Annotated[bool, _FRESH] = False,
     film: Annotated[bool, _FILM] = False,
+    cluster: Annotated[str | None, _CLUSTER] = None,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -84,7 +89,7 @@ def tune(
     aim = _aim(maximise, minimise)
     scenarios = begun([preset, *(also or [])], sets, seed, threads, precision, strategy_path)
     folder = output or Path("out") / f"tune-{plain_name(preset)}"
-    with locked(folder), watching(not quiet) as (report, finished):
+    with locked(folder), _world(cluster, threads, strategy_path) as world, watching(not quiet) as (report, finished):
         tuned = search(
             scenarios,
             ranges,
@@ -103,8 +108,24 @@ def tune(
             finished=finished,
             method=method,  # type: ignore[arg-type]
             halve=halve,
+            world=world,
         )
     _show(tuned, folder, film, quiet)
+
+
+@contextmanager
+def _world(cluster: str | None, threads: int | None, folders: list[Path] | None) -> Iterator[Any]:
+    """Give what runs candidates: this process, or a cluster while it is open. Errors: as Cluster."""
+    from tiswarm.engine.trials.candidates import Candidates
+
+    if cluster is None:
+        yield Candidates
+        return
+    from tiswarm.cluster.candidates import SharedCandidates
+    from tiswarm.cluster.client import Cluster
+
+    with Cluster(cluster, threads, [str(each.resolve()) for each in folders or []]) as workers:
+        yield partial(SharedCandidates, workers)
 
 
 def _ranges(over: list[str] | None, network: str) -> dict[str, Any]:

@@ -4,13 +4,14 @@ import logging
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from tiswarm.cluster import worker
 from tiswarm.cluster.slices import Batch, Gathered, Slice, cut
 from tiswarm.engine.choice import engine_of
+from tiswarm.engine.slices import Part
 from tiswarm.records.results import Results
 from tiswarm.simd import runtime
 from tiswarm.simd.threads import available_threads
@@ -30,6 +31,8 @@ PAUSE = 0.02
 LOOK = 2.0
 """How often workers are counted [s]."""
 
+_Piece = TypeVar("_Piece")
+
 
 class Cluster:
     """A scheduler and its workers; a context manager. `run` runs cells as `run_study` wants them run.
@@ -37,7 +40,7 @@ class Cluster:
     address: of a scheduler, tcp://HOST:PORT; the path of a scheduler file, NAME.json; or local, local:N for N workers on this
     machine, which are started and end with the client.
 
-    workers: how many there are; most: how many there were at most.
+    workers: how many there are; most: how many there were at most. threads, folders: as given.
     """
 
     def __init__(self, address: str, threads: int | None = None, folders: Sequence[str] = ()) -> None:
@@ -48,7 +51,7 @@ class Cluster:
         Errors: ValueError for an address that is none; MissingExtra.
         """
         self._distributed = needed("cluster", "distributed")
-        self._address, self._threads, self._folders = address, threads, tuple(folders)
+        self._address, self.threads, self.folders = address, threads, tuple(folders)
         self._local = _local_workers(address)
         self._cluster: Any = None
         self._client: Any = None
@@ -60,13 +63,13 @@ class Cluster:
         for name in ("distributed", "distributed.worker", "distributed.scheduler", "distributed.nanny", "distributed.core"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # losses are met, and told in our own words
         if self._local:
-            threads = self._threads or max(available_threads() // self._local, 1)
+            threads = self.threads or max(available_threads() // self._local, 1)
             with deferring_interrupts():
                 self._cluster = self._distributed.LocalCluster(
                     n_workers=self._local,
                     threads_per_worker=threads,
                     memory_limit=0,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # None would ask for one port, and warn where it is taken
                     silence_logs=logging.CRITICAL,
                 )
         self._connect(patience=0.0)
@@ -88,38 +91,59 @@ class Cluster:
     ) -> None:
         """Run groups of cells, `count` trials each; see `studies.run.Runner`.
 
-        Errors: OtherCode for a worker with other code; RuntimeError when the scheduler stays away, or a slice ends every
-        worker that runs it; what the trials themselves raise.
+        Errors: OtherCode for a worker with other code; as `gather`.
         """
         if not groups:
             return
-        self._compare([cell for group in groups for cell in group])
-        waiting = deque(cut(groups, count, self.workers))
-        flying: dict[str, tuple[Any, Slice]] = {}
+        self.compare(tuple(each.to_json() for each in Batch.of([cell for group in groups for cell in group]).company))
         gathered, done = Gathered(count), 0
+
+        def land(own: Slice, parts: Sequence[Part]) -> None:
+            nonlocal done
+            done += own.trials
+            for cell, span, part in zip(own.cells, own.spans, parts, strict=True):
+                whole = gathered.put(cell, span, part)
+                if whole is not None:
+                    engine = engine_of(cell.scenario)
+                    finish(cell, Results.of(cell.scenario, cell.seed, runtime.start(), *whole, None, engine))
+
+        self.gather(worker.run, cut(groups, count, self.workers), self._task, land, lambda: report(done))
+
+    def gather(
+        self,
+        work: Callable[[Any], Any],
+        pieces: Iterable[_Piece],
+        task: Callable[[_Piece], Any],
+        land: Callable[[_Piece, Any], None],
+        report: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Let workers do all pieces of some work, and do those again that were lost.
+
+        work: what a worker calls, on the `task` of a piece; land: takes each piece with what came of it, in the order in which
+        they are finished; report: called again and again meanwhile.
+
+        Errors: RuntimeError when the scheduler stays away, or a piece ends every worker that runs it; what the work raises.
+        """
+        waiting = deque(pieces)
+        flying: dict[str, tuple[Any, _Piece]] = {}
         while waiting or flying:
             if not self._there():
                 waiting.extendleft(own for _, own in reversed(flying.values()))
                 flying.clear()
-                self._reconnect(lambda done=done: report(done))  # type: ignore[misc]
+                self._reconnect(report)
             while waiting and len(flying) < AHEAD * max(self.workers, 1):
                 own = waiting.popleft()
                 key = f"tiswarm-{uuid.uuid4().hex}"
-                flying[key] = (self._client.submit(worker.run, self._task(own), key=key, pure=False), own)
+                flying[key] = (self._client.submit(work, task(own), key=key, pure=False), own)
             landed = [key for key, (future, _) in flying.items() if future.status != "pending"]
             for key in landed:
                 future, own = flying.pop(key)
-                parts = self._taken(future)
-                if parts is None:
+                came = self._taken(future)
+                if came is None:
                     waiting.appendleft(own)
-                    continue
-                done += own.trials
-                for cell, span, part in zip(own.cells, own.spans, parts, strict=True):
-                    whole = gathered.put(cell, span, part)
-                    if whole is not None:
-                        engine = engine_of(cell.scenario)
-                        finish(cell, Results.of(cell.scenario, cell.seed, runtime.start(), *whole, None, engine))
-            report(done)
+                else:
+                    land(own, came)
+            report()
             if not landed:
                 time.sleep(PAUSE)
 
@@ -146,16 +170,18 @@ class Cluster:
             counts=own.batch.counts,
             seed=own.cells[0].seed,
             precision=runtime.start().precision,
-            threads=self._threads,
-            folders=self._folders,
+            threads=self.threads,
+            folders=self.folders,
             identity=worker.identity((), company),
         )
 
-    def _compare(self, cells: Sequence[Cell]) -> None:
-        """Compare the code of all workers that are there with ours. Those that come later are compared task by task."""
-        company = tuple(each.to_json() for each in Batch.of(cells).company)
+    def compare(self, company: tuple[str, ...]) -> None:
+        """Compare the code of all workers that are there with ours. Those that come later are compared task by task.
+
+        company: scenarios as JSON, whose code counts. Errors: OtherCode.
+        """
         ours = worker.identity((), company)
-        found = self._client.run(worker.identity, self._folders, company, on_error="return")
+        found = self._client.run(worker.identity, self.folders, company, on_error="return")
         for name, theirs in sorted(found.items()):
             if isinstance(theirs, BaseException):
                 raise worker.OtherCode(f"worker {name} cannot run tiswarm ({theirs}); install the client's state of it there")

@@ -1,6 +1,7 @@
 """Objective: what a tuning makes large, of one scenario or over several, and the trials that show it."""
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -92,11 +93,26 @@ class Objective:
         return np.asarray(np.sum([each.of(results) for each in self.terms], axis=0))
 
 
+World = Callable[[Scenario, Mapping[str, tuple[float, float]]], Candidates]
+"""Makes what runs a scenario's candidates of it and the bounds of their numbers."""
+
+
 class Evaluation:
     """One arm's candidates run through trials, in all its scenarios."""
 
-    def __init__(self, arm: Arm, objective: Objective, across: Across, seed: int, shares: np.ndarray | None = None) -> None:
-        """Check, and allocate. shares: [scenario], how much each counts in the mean. Errors: ScenarioError."""
+    def __init__(
+        self,
+        arm: Arm,
+        objective: Objective,
+        across: Across,
+        seed: int,
+        shares: np.ndarray | None = None,
+        world: World = Candidates,
+    ) -> None:
+        """Check, and allocate. shares: [scenario], how much each counts in the mean; world: what runs a scenario's candidates.
+
+        Errors: ScenarioError; as `world`.
+        """
         for scenario in arm.scenarios:
             objective.check(scenario)
         bounds = {each.path: (each.low, each.high) for each in arm.ranges}
@@ -105,7 +121,7 @@ class Evaluation:
         self._across: Across = across
         self.shares = shares
         self._seed = seed
-        self._worlds = [Candidates(scenario, bounds) for scenario in arm.scenarios]
+        self._worlds = [world(scenario, bounds) for scenario in arm.scenarios]
 
     def outcomes(self, values: np.ndarray, trials: np.ndarray) -> np.ndarray:
         """Give the objective: [scenario, candidate, trial]. values: [candidate, coordinate]; trials: [trial], their numbers."""

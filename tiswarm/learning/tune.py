@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from tiswarm.engine.trials.candidates import Candidates
 from tiswarm.learning import halving
 from tiswarm.learning.keys import Arm
-from tiswarm.learning.objective import Across, Evaluation, check_trials, scores_of, search_trials
+from tiswarm.learning.objective import Across, Evaluation, World, check_trials, scores_of, search_trials
 from tiswarm.learning.plan import Budget, Plan
 from tiswarm.learning.race import Round
 from tiswarm.learning.search import Method, Search, check_cmaes, suited
@@ -50,6 +51,7 @@ def tune(
     finished: Finished | None = None,
     method: Method | None = None,
     halve: bool = False,
+    world: World = Candidates,
 ) -> Tuned:
     """Find numbers (and choices) that make an objective large.
 
@@ -63,7 +65,8 @@ def tune(
     network: prey or predators, whose network is trained, beside the keys of `over`; needs a folder, where it is written.
     fresh: throw away what the folder holds. finished: called with each generation.
     method: cma-es or openai-es; None: openai-es for a network, cma-es for all else and where candidates leave. halve: the worse
-    half of a generation leaves after a quarter of its trials, and after half.
+    half of a generation leaves after a quarter of its trials, and after half. world: what runs candidates; for those of a
+    cluster, `functools.partial(SharedCandidates, cluster)`.
 
     Errors: ScenarioError for what cannot be; ValueError when the folder holds another tuning or cmaes is missing.
     """
@@ -78,7 +81,7 @@ def tune(
     store = None
     if folder is not None:
         store = Store(Path(folder), plan.told(), [one for arm in plan.arms for one in (*plan.scenarios, *arm.scenarios)])
-    run = _Run(plan, store)
+    run = _Run(plan, store, world)
     if store is not None:
         store.open(fresh)
     best, history = run.search(share_out, progress, finished)
@@ -93,12 +96,12 @@ def tune(
 class _Run:
     """One tuning while it runs: the arms, what they are asked, and what is kept."""
 
-    def __init__(self, plan: Plan, store: Store | None) -> None:
+    def __init__(self, plan: Plan, store: Store | None, world: World) -> None:
         self._arms = plan.arms
         self._across: Across = plan.across
         self._budget = plan.budget
         self._store = store
-        counts = (plan.objective, plan.across, plan.seed, plan.shares)
+        counts = (plan.objective, plan.across, plan.seed, plan.shares, world)
         self._start = Evaluation(Arm((), plan.scenarios, ()), *counts)
         self._worlds = [Evaluation(arm, *counts) for arm in plan.arms]
         self._searches = [

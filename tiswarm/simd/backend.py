@@ -1,7 +1,8 @@
 """Backend: what stands behind `import taichi`: Taichi, or Quadrants, a fork of it that speaks the same language.
 
 Kernels are written for Taichi and import it by its name. Where TISWARM_BACKEND=quadrants, or where Taichi is not installed and
-Quadrants is, that name and those of its modules give Quadrants' instead; what differs inside them is met here.
+Quadrants is, that name and those of its modules give Quadrants' instead; what differs inside them is met here. Where neither is
+there, whoever imports Taichi is told what installs it.
 """
 
 import importlib
@@ -19,6 +20,18 @@ from typing import Any
 VARIABLE = "TISWARM_BACKEND"
 BACKENDS = ("taichi", "quadrants")
 
+_ABSENT = {
+    "taichi": "taichi is not installed; pip install taichi==1.7.4, or its fork: pip install 'tiswarm[quadrants]'",
+    "quadrants": "quadrants is not installed; pip install 'tiswarm[quadrants]'",
+}
+
+
+class MissingBackend(ImportError):
+    """Neither is installed, or not the one that was chosen; the message is one line that names the command which installs it.
+
+    No ValueError: a scenario whose strategy cannot be imported for it is not wrong.
+    """
+
 
 def name() -> str:
     """Name the package that stands behind `import taichi`. Errors: ValueError for one that is not known."""
@@ -27,20 +40,28 @@ def name() -> str:
         if chosen not in BACKENDS:
             raise ValueError(f"{VARIABLE}={chosen}: not known; use taichi or quadrants")
         return chosen
-    return "quadrants" if _missing("taichi") and not _missing("quadrants") else "taichi"
+    taken = any(isinstance(each, _Alias) for each in sys.meta_path)  # then it is what is found by Taichi's name
+    return "quadrants" if taken or (_missing("taichi") and not _missing("quadrants")) else "taichi"
 
 
 def version() -> str:
-    """Give the version of Taichi, or Quadrants' with its name: outcomes of the two are kept apart."""
+    """Give the version of Taichi, or Quadrants' with its name: outcomes of the two are kept apart. Errors: MissingBackend."""
     own = name()
+    if _missing(own):
+        raise MissingBackend(_ABSENT[own])
     told = importlib.metadata.version(own)
     return told if own == "taichi" else f"{own} {told}"
 
 
 def choose() -> None:
     """Let `import taichi` give what was chosen; before anybody imports it."""
-    if os.environ.get(VARIABLE, "") not in ("", *BACKENDS) or name() == "taichi":
-        return  # an unknown one is told where errors are heard, when Taichi is started
+    if os.environ.get(VARIABLE, "") not in ("", *BACKENDS):
+        return  # told where errors are heard, when Taichi is started
+    if _missing(name()):
+        sys.meta_path.insert(0, _Absent(name()))
+        return
+    if name() == "taichi":
+        return
     os.environ.setdefault("ENABLE_QUADRANTS_HEADER_PRINT", "False")
     # It warns of every call of a kernel's author that it does not read itself: our Bundles and tables of funcs.
     warnings.filterwarnings("ignore", r"(?s).*Calling non-quadrants function", SyntaxWarning)
@@ -78,5 +99,27 @@ class _Alias(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         module.__spec__ = module.__spec__.loader_state
 
 
+class _Absent(importlib.abc.MetaPathFinder):
+    """Finds that taichi is not there, where kernels are first needed: what needs none goes without."""
+
+    def __init__(self, backend: str) -> None:
+        """Tell it of a backend."""
+        self._backend = backend
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None,  # noqa: ARG002 - as Python calls it
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        """Raise MissingBackend for taichi."""
+        if fullname == "taichi":
+            raise MissingBackend(_ABSENT[self._backend])
+        return None
+
+
 def _missing(package: str) -> bool:
-    return importlib.util.find_spec(package) is None
+    try:
+        return importlib.util.find_spec(package) is None
+    except MissingBackend:
+        return True

@@ -59,9 +59,15 @@ class Candidates:
         numbers = [dict(zip(self.paths, row, strict=True)) for row in values]
         refuse_strange(outcomes, lambda job: (with_numbers(self.scenario, numbers[jobs[job, 0]]), int(jobs[job, 1])), seed)
         told = dict(zip(kernel.OUTCOMES, outcomes.T, strict=True))
-        measures = dict(zip(self._blocks.measures, measured.T.astype(np.float64), strict=False))
-        weights = {path: np.repeat(each, len(trials)) for path, each in own.items()}
-        return Results.of(self.scenario, seed, self._settings, told, measures, weights)
+        return self.results(values, seed, told, dict(zip(self._blocks.measures, measured.T.astype(np.float64), strict=False)))
+
+    def results(
+        self, values: np.ndarray, seed: int, outcomes: Mapping[str, np.ndarray], measures: Mapping[str, np.ndarray]
+    ) -> Results:
+        """Put outcomes and measures, name -> [candidate * trial], beside the numbers of candidates: [candidate, path]."""
+        trials = len(outcomes["ticks"]) // max(len(values), 1)
+        weights = {path: np.repeat(each, trials) for path, each in zip(self.paths, values.T, strict=True)}
+        return Results.of(self.scenario, seed, self._settings, outcomes, measures, weights)
 
 
 def _check_crossing(scenario: Scenario, bounds: Mapping[str, Sequence[float]]) -> None:
