@@ -14,11 +14,12 @@ const SMALLEST = 2.5;
 const READABLE = 5.2,
   CROWD = 60;
 
-/** Of more agents than this, only those near the edge of a periodic world are drawn beyond it, too; of fewer, everything is. */
+/** Of more agents than this, those near the edge of a periodic world are drawn beyond it, too; of fewer, everything is. */
 export const CROWDED = 2000;
 
-/** What is drawn of an agent lies within so many of its sizes. */
-const LONGEST = 3;
+/** What is drawn of an agent lies within so many of its sizes, and so many pixels of outlines. */
+const LONGEST = 4,
+  OUTLINED = 4;
 
 /**
  * Give how large an agent is on the screen, as it would be at the camera's pivot [px].
@@ -62,7 +63,7 @@ export function drawAgents(view) {
  */
 function drawBeyond(view, agent, size) {
   const { recording, paths, lens } = view;
-  const within = (LONGEST * size) / lens.scale;
+  const within = (LONGEST * size + OUTLINED) / lens.scale;
   const shifts = [0, 1].map((axis) => {
     const [place, side] = [paths.spot[agent * 2 + axis], recording.header.size[axis]];
     return [0, ...(place < within ? [side] : []), ...(place > side - within ? [-side] : [])];
