@@ -1,6 +1,7 @@
 """A page of vectors, which matplotlib (extra `plot`) writes as PDF or SVG: shapes as paths, words as text to be searched."""
 
 import base64
+import warnings
 from collections.abc import Iterator, Sequence
 from io import BytesIO
 from itertools import groupby
@@ -70,7 +71,9 @@ class Page:
         else:
             notes = {"Title": about["title"], "Description": about["comment"], "Creator": about["artist"], "Date": None}
         written = BytesIO()
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(STYLE), warnings.catch_warnings():
+            if self._kind == "svg":  # whose words are laid out by who shows them, in faces that matplotlib need not have
+                warnings.filterwarnings("ignore", "Glyph .* missing from font")
             self._figure.savefig(written, format=self._kind, metadata=notes, facecolor=self._figure.get_facecolor())
         whole = written.getvalue()
         if self._kind == "svg":
