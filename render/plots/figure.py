@@ -47,8 +47,15 @@ def sheet(
         figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
         try:
             yield figure, axes
-            figure.suptitle("\n".join(faces.seen(line) for line in (title, note) if line), fontsize=11)
+            figure.suptitle("\n".join(_written(line) for line in (title, note) if line), fontsize=11)
             with replacing(Path(path)) as part:
                 figure.savefig(part, dpi=DPI, format="png")
         finally:
             plt.close(figure)
+
+
+def _written(line: str) -> str:
+    """Give a line as matplotlib wants it: from 3.11 on it joins letters and turns them round by itself."""
+    import matplotlib as mpl
+
+    return line if mpl.__version_info__ >= (3, 11) else faces.seen(line)

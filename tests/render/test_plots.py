@@ -136,3 +136,15 @@ def test_wrong_input_is_told_in_one_line(tmp_path):
     assert done.returncode == 2
     assert done.stderr == "tiswarm: --plot: plots need matplotlib; pip install 'tiswarm[plot]'\n"
     assert not (tmp_path / "out").exists()
+
+
+def test_titles_of_plots_run_from_right_to_left(tmp_path):
+    """Of four thin letters and a broad one, the broad one is read last, and stands leftmost."""
+    path = tmp_path / "title.png"
+    with figure.sheet(1, 1, (4, 3), path, "\N{HEBREW LETTER VAV} " * 4 + "\N{HEBREW LETTER SHIN}"):
+        pass
+    ink = (np.asarray(Image.open(path).convert("L")) < 128)[:36].any(axis=0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], ink, [0]])))
+    widths = edges[1::2] - edges[::2]
+    assert len(widths) == 5
+    assert widths.argmax() == 0
