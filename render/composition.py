@@ -164,18 +164,18 @@ class Composition:
 
     def frame(self, time: float, out: Framebuffer, above: np.ndarray = NONE) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated, and shapes above it; return its bytes."""
-        shapes = np.concatenate([self._moving(time), above])
+        shapes = np.concatenate([*self._moving(time), above])
         if self._still:
             return self.canvas.draw(shapes, self.windows, out)
         return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self.windows, out)
 
     def shapes(self, time: float) -> np.ndarray:
         """Give all shapes of the frame of a time [ticks], its ground first."""
-        return np.concatenate([self._ground(time), self._moving(time)])
+        return np.concatenate([self._ground(time), *self._moving(time)])
 
-    def _moving(self, time: float) -> np.ndarray:
+    def _moving(self, time: float) -> list[np.ndarray]:
         moving = self.scene.frame(time, self._camera(time), self.windows)
-        return np.concatenate([moving, self._lettered(time), self._happening(time), self._captioned(time)])
+        return [moving, self._lettered(time), self._happening(time), self._captioned(time)]
 
     def _camera(self, time: float) -> Camera:
         """Give the camera for all agents."""

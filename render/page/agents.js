@@ -64,10 +64,13 @@ export function drawAgents(view) {
 function drawBeyond(view, agent, size) {
   const { recording, paths, lens } = view;
   const within = (LONGEST * size + OUTLINED) / lens.scale;
-  const shifts = [0, 1].map((axis) => {
-    const [place, side] = [paths.spot[agent * 2 + axis], recording.header.size[axis]];
-    return [0, ...(place < within ? [side] : []), ...(place > side - within ? [-side] : [])];
-  });
+  const [width, height] = recording.header.size;
+  const [px, py] = [paths.spot[agent * 2], paths.spot[agent * 2 + 1]];
+  if (px >= within && px <= width - within && py >= within && py <= height - within) return; // nearly all of a crowd
+  const shifts = [
+    [px, width],
+    [py, height],
+  ].map(([place, side]) => [0, ...(place < within ? [side] : []), ...(place > side - within ? [-side] : [])]);
   for (const x of shifts[0]) for (const y of shifts[1]) if (x || y) drawAgent(view, agent, size, x, y);
 }
 
