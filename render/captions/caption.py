@@ -29,7 +29,12 @@ SMALL = 22
 
 
 class Caption:
-    """Words about a scene, sized by a unit of type [px]."""
+    """Words about a scene, sized by a unit of type [px].
+
+    progresses: a line tells how far the film has come.
+    """
+
+    progresses = True
 
     def __init__(self, scene: Scene, atlas: Atlas, unit: float):
         """Take what to write about, and what to write with."""

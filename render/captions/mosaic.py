@@ -229,5 +229,7 @@ class Mosaic(Caption):
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         """Draw the line between the head and the cells."""
+        if not self.progresses:
+            return NONE
         high = 3 * self._unit
         return boxes((0.0, self._head.height - high), (self._right * share, self._head.height), paint, alpha)

@@ -6,7 +6,7 @@ from render.captions.caption import Caption, Counter, fitting, introduced
 from render.captions.chart import Charts, height_for
 from render.captions.layout import Box, Layout
 from render.raster.glyphs import Atlas, width, wrapped
-from render.raster.shapes import Colour, boxes, colour
+from render.raster.shapes import NONE, Colour, boxes, colour
 from render.scene.scene import Scene
 
 INSET = 24
@@ -150,6 +150,8 @@ class Panel(Caption):
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         """Draw the thin line at the caption's foot."""
+        if not self.progresses:
+            return NONE
         y, half = self._box.bottom + 4 * self._unit, 1.5 * self._unit
         left, right = self._box.left, self._box.right
         return boxes((left, y - half), (left + (right - left) * share, y + half), paint, alpha, corner=half)

@@ -10,7 +10,7 @@ from render.captions.chart import chartable, height_for
 from render.captions.layout import Box
 from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
-from render.raster.shapes import Colour, boxes
+from render.raster.shapes import NONE, Colour, boxes
 from render.scene.scene import Scene
 from tiswarm.records.recording import Recording
 
@@ -103,6 +103,8 @@ class Strip(Panel):
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         """Draw the line between stage and caption."""
+        if not self.progresses:
+            return NONE
         top, half = self._panel.top, 1.5 * self._unit
         return boxes((0.0, top), (self._panel.width * share, top + 2 * half), paint, alpha)
 

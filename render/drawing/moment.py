@@ -61,6 +61,8 @@ def moment(
     checked_size(size, even=False)
     manuscript = Manuscript()
     stage = Composition(subject, size, style, yuv=False, labels=labels, field=field, atlas=manuscript)
+    if stage.caption:
+        stage.caption.progresses = False
     page = Page(size, UNIT / unit_of(size), manuscript, style.colours["backdrop"], kind)
     try:
         with tempfile.TemporaryDirectory(prefix="tiswarm-faces-") as folder, replacing(target) as part:

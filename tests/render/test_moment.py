@@ -10,7 +10,9 @@ from matplotlib.path import Path
 import render
 import tiswarm
 from render.composition import Composition
+from render.drawing.manuscript import Manuscript
 from render.drawing.outlines import outlined
+from render.drawing.page import Page
 from render.raster.shapes import boxes, capsules, darts, discs
 from render.style import Look
 
@@ -76,6 +78,15 @@ def test_an_outline_reaches_as_far_as_its_shape(rows, low, high):
     assert around.max == pytest.approx(high, abs=0.15)
     assert mark.alpha == pytest.approx(1.0)
     assert mark.paint == pytest.approx((1, 0, 0))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_page_has_no_line_that_fills_with_time(recording, tmp_path, monkeypatch, count):
+    subject, drawn = recording if count == 1 else [recording, recording], []
+    monkeypatch.setattr(Page, "draw", lambda page, rows, *_: drawn.append(rows))
+    render.moment(subject, tmp_path / "a.svg", 30.0, (800, 450))
+    film = Composition(subject, (800, 450), Look(theme="print"), yuv=False, atlas=Manuscript())
+    assert len(film.shapes(30.0)) == len(drawn[0]) + 2  # what fills, and its track
 
 
 def test_what_is_no_moment_gets_one_line(recording, tmp_path, command):
