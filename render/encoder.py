@@ -15,10 +15,14 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import IO
 
+import numpy as np
+
 from render.raster.framebuffer import Framebuffer
+from render.raster.planar import planar
 from tiswarm.system.files import replacing, replacing_folder
 from tiswarm.system.progress import deferring_interrupts
 from tiswarm.system.words import reason, safe
@@ -37,14 +41,17 @@ _VP9 = (("8", "40"), ("5", "30"), ("2", "24"))  # effort (lower is more) and con
 _GIF = (("1", "bayer:bayer_scale=5"), ("1", "bayer:bayer_scale=3"), ("1", "sierra2_4a"))
 _PNG = ("1", "6", "9")
 _WEBP = (("0", "70"), ("2", "80"), ("5", "92"))  # effort and quality
+_YUVA = ("-pix_fmt", "yuva420p", "-auto-alt-ref", "0")  # frames that are not shown have no opacity
+
+_OPAQUE = {".mp4": "keeps no opacity", ".gif": "knows no pixel that is opaque in part"}
 
 
 @dataclass(frozen=True)
 class Format:
     """How frames are encoded.
 
-    yuv: they come as planar 4:2:0, else as RGB. fps: the usual rate. fastest: the highest rate.
-    output: the encoder's arguments. folder: what is written is a folder of images.
+    yuv: they come as planar 4:2:0, which wants even edges, else as RGB. fps: the usual rate. fastest: the highest rate.
+    output: the encoder's arguments. folder: what is written is a folder of images. alpha: they come with opacity.
     """
 
     yuv: bool
@@ -52,17 +59,20 @@ class Format:
     fastest: int
     output: tuple[str, ...]
     folder: bool = False
+    alpha: bool = False
 
 
-def format_of(path: Path, quality: str) -> Format:
+def format_of(path: Path, quality: str, *, transparent: bool = False) -> Format:
     """Choose a format by the path's suffix: .mp4, .webm, .gif, .webp, or none for a folder of PNG images.
 
-    Errors: ValueError for another suffix or an unknown quality.
+    Errors: ValueError for another suffix, an unknown quality, or one that keeps no opacity where that is wanted.
     """
     if quality not in QUALITIES:
         raise ValueError(f"quality: unknown {quality!r}; use one of {', '.join(QUALITIES)}")
-    level = QUALITIES.index(quality)
-    match path.suffix.lower():
+    level, kind = QUALITIES.index(quality), path.suffix.lower()
+    if transparent and kind in _OPAQUE:
+        raise ValueError(f"{path}: {kind} {_OPAQUE[kind]}; use .webm, .webp, or no suffix for PNG images")
+    match kind:
         case ".mp4":
             place = (
                 "-pix_fmt",
@@ -79,7 +89,8 @@ def format_of(path: Path, quality: str) -> Format:
         case ".webm":
             effort, constant = _VP9[level]
             speed = ("-deadline", "good", "-cpu-used", effort, "-row-mt", "1", "-crf", constant, "-b:v", "0")
-            return Format(True, 60, 1000, ("-c:v", "libvpx-vp9", *speed, "-pix_fmt", "yuv420p", *COLOURS, "-f", "webm"))
+            coded = ("-c:v", "libvpx-vp9", *speed, *(_YUVA if transparent else ("-pix_fmt", "yuv420p")), *COLOURS, "-f", "webm")
+            return Format(True, 60, 1000, coded, alpha=transparent)
         case ".gif":
             # A palette for each frame: one for all would need the whole film in memory first.
             new, dither = _GIF[level]
@@ -89,9 +100,10 @@ def format_of(path: Path, quality: str) -> Format:
             # From RGB: WebP's own YUV is BT.601.
             effort, kept = _WEBP[level]
             output = ("-c:v", "libwebp_anim", "-quality", kept, "-compression_level", effort, "-pix_fmt", "bgra", "-loop", "0")
-            return Format(False, 25, 100, (*output, "-f", "webp"))
+            return Format(False, 25, 100, (*output, "-f", "webp"), alpha=transparent)
         case "":
-            return Format(False, 60, 1000, ("-c:v", "png", "-compression_level", _PNG[level], "-f", "image2"), folder=True)
+            images = ("-c:v", "png", "-compression_level", _PNG[level], "-f", "image2")
+            return Format(False, 60, 1000, images, folder=True, alpha=transparent)
     raise ValueError(f"{path}: unknown format {path.suffix!r}; use .mp4, .webm, .gif, .webp, or no suffix for PNG images")
 
 
@@ -102,9 +114,9 @@ class FilmError(RuntimeError):
 class Reel:
     """The way of frames to the encoder: blank buffers out, drawn ones in."""
 
-    def __init__(self, blank: Callable[[], Framebuffer]):
-        """Allocate the few plates that go round."""
-        self.broken = False
+    def __init__(self, blank: Callable[[], Framebuffer], coded: Callable[[np.ndarray], np.ndarray]):
+        """Allocate the few plates that go round. coded: makes of their bytes what the encoder takes."""
+        self.broken, self._coded = False, coded
         self._drawn: queue.SimpleQueue[Framebuffer | None] = queue.SimpleQueue()
         self._spare: queue.SimpleQueue[Framebuffer] = queue.SimpleQueue()
         for _ in range(PLATES):
@@ -131,7 +143,7 @@ class Reel:
 
             fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
         while (frame := self._drawn.get()) is not None:
-            rest = frame.bytes.data
+            rest = self._coded(frame.bytes).data
             try:
                 while rest and not self.broken:
                     rest = rest[pipe.write(rest) :]
@@ -173,7 +185,7 @@ def encoder(
                 stack.callback(_end, process)
         except OSError as error:
             raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
-        reel = Reel(blank)
+        reel = Reel(blank, partial(planar, size=size) if form.yuv and form.alpha else lambda drawn: drawn)
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()
         try:
@@ -229,7 +241,8 @@ def version_of_ffmpeg() -> str:
 
 
 def _command(output: str, size: tuple[int, int], rate: Fraction, form: Format, notes: dict[str, str]) -> list[str]:
-    pixels = ("-pix_fmt", "yuv420p", *COLOURS) if form.yuv else ("-pix_fmt", "rgb24")
+    kinds = ("yuva420p", "rgba") if form.alpha else ("yuv420p", "rgb24")
+    pixels = ("-pix_fmt", kinds[0], *COLOURS) if form.yuv else ("-pix_fmt", kinds[1])
     raw = ("-f", "rawvideo", *pixels, "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "pipe:0", "-an")
     tags = [word for key, value in notes.items() for word in ("-metadata", f"{key}={safe(value)}")]
     start = (find_ffmpeg(), "-hide_banner", "-loglevel", "error", "-nostdin", "-y")

@@ -67,14 +67,14 @@ def film(
     quality: "draft", "good" or "best".
     labels: names of several recordings, by default what tells them apart. field: arrows to draw on the ground.
     progress: called with frames done and frames in all.
-    look: theme, speed, trail, camera, overlay, slow, chart, story, cards, loop: see Look.
+    look: theme, speed, trail, camera, overlay, slow, chart, story, cards, loop, transparent: see Look.
 
     Errors: ValueError or TypeError for a choice that is not possible; FilmError when the film cannot be written, and then
     no file is left.
     """
-    target = Path(path)
-    form, rate = check_film(target, size, fps, quality)
-    stage = Composition(subject, size, look_of(look), yuv=form.yuv, labels=labels, field=field)
+    target, style = Path(path), look_of(look)
+    form, rate = check_film(target, size, fps, quality, transparent=style.transparent)
+    stage = Composition(subject, size, style, yuv=form.yuv, labels=labels, field=field)
     done, total = 0, stage.length(rate) - (faded(stage, rate) if stage.look.loop else 0)
     with encoder(target, size, rate, form, notes(stage), stage.canvas.blank) as reel:
         for plate in drawn(stage, rate, reel.blank):
@@ -85,12 +85,14 @@ def film(
     return Film(target, size, int(rate) if rate.denominator == 1 else rate, done)
 
 
-def check_film(path: Path, size: tuple[int, int], fps: Rate | None = None, quality: str = "good") -> tuple[Format, Fraction]:
+def check_film(
+    path: Path, size: tuple[int, int], fps: Rate | None = None, quality: str = "good", *, transparent: bool = False
+) -> tuple[Format, Fraction]:
     """Check what can be known of a film before anything runs: give its format and its frames per second.
 
     Errors: as `film`.
     """
-    form = format_of(path, quality)
+    form = format_of(path, quality, transparent=transparent)
     try:
         rate = Fraction(form.fps if fps is None else fps).limit_denominator(100_000)
     except (ValueError, OverflowError):
@@ -102,14 +104,16 @@ def check_film(path: Path, size: tuple[int, int], fps: Rate | None = None, quali
     return form, rate
 
 
-def check_image(path: Path) -> None:
-    """Raise ValueError unless an image can be written in the format that the path's suffix names."""
+def check_image(path: Path, *, transparent: bool = False) -> None:
+    """Raise ValueError unless an image, or a transparent one, can be written in the format that the path's suffix names."""
     from PIL import Image
 
     Image.init()
     known = {suffix for suffix, form in Image.registered_extensions().items() if form in Image.SAVE}
     if path.suffix.lower() not in known:
         raise ValueError(f"{path}: unknown format {path.suffix!r}; use .png, .jpg or .webp")
+    if transparent and path.suffix.lower() not in (".png", ".webp"):
+        raise ValueError(f"{path}: no transparent picture is written as {path.suffix}; use .png or .webp")
 
 
 def frames(
@@ -123,11 +127,13 @@ def frames(
 ) -> Iterator[np.ndarray]:
     """Yield a film's frames, one after the other: [y, x, channel] of uint8, each an array of its own.
 
+    A transparent look has four channels: red, green, blue, not multiplied by the fourth, opacity.
+
     Errors: ValueError or TypeError for a choice that is not possible, at once.
     """
     checked_size(size, even=False)
     stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
-    return (plate.bytes.reshape(size[1], size[0], 3) for plate in drawn(stage, fps, stage.canvas.blank))
+    return (plate.bytes.reshape(size[1], size[0], -1) for plate in drawn(stage, fps, stage.canvas.blank))
 
 
 def poster(
@@ -144,16 +150,17 @@ def poster(
 
     Errors: as `film`.
     """
-    check_image(Path(path))
+    style = look_of(look)
+    check_image(Path(path), transparent=style.transparent)
     checked_size(size, even=False)
-    stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    stage = Composition(subject, size, style, yuv=False, labels=labels, field=field)
     if time is None and stage.is_live:
         raise ValueError("time: say at which tick; a live simulation does not know its liveliest moment beforehand")
     return _save(_image(stage, liveliest(stage) if time is None else time, size), Path(path))
 
 
 def still(subject: Subject, size: tuple[int, int] = (1280, 720), *, time: float, **look: Any) -> np.ndarray:
-    """Give one frame at a time [ticks]: [y, x, channel] of uint8. Errors: as `frames`."""
+    """Give one frame at a time [ticks]: [y, x, channel] of uint8, as `frames` does. Errors: as `frames`."""
     checked_size(size, even=False)
     return _image(Composition(subject, size, look_of(look), yuv=False, labels=None, field=None), time, size)
 
@@ -172,16 +179,18 @@ def sheet(
 
     Errors: as `film`.
     """
-    check_image(Path(path))
+    style = look_of(look)
+    check_image(Path(path), transparent=style.transparent)
     checked_size(size, even=False)
     columns, rows = shape
     if columns < 1 or rows < 1:
         raise ValueError(f"shape: {columns}x{rows} is not possible; use 1 or more columns and rows")
-    stage = Composition(subject, size, look_of(look), yuv=False, labels=labels, field=field)
+    stage = Composition(subject, size, style, yuv=False, labels=labels, field=field)
     last = stage.scene.paths.last
     gap = max(min(size) // 40, 2)
-    paper = np.empty((rows * (size[1] + gap) + gap, columns * (size[0] + gap) + gap, 3), np.uint8)
-    paper[:] = [int(stage.scene.theme.line[n : n + 2], 16) // 4 for n in (1, 3, 5)]
+    paper = np.zeros((rows * (size[1] + gap) + gap, columns * (size[0] + gap) + gap, 4 if style.transparent else 3), np.uint8)
+    if not style.transparent:
+        paper[:] = [int(stage.scene.theme.line[n : n + 2], 16) // 4 for n in (1, 3, 5)]
     for n, time in enumerate(np.linspace(0, last, columns * rows)):
         top, left = gap + n // columns * (size[1] + gap), gap + n % columns * (size[0] + gap)
         paper[top : top + size[1], left : left + size[0]] = _image(stage, float(time), size)
@@ -212,7 +221,7 @@ def checked_size(size: tuple[int, int], *, even: bool) -> None:
 
 
 def _image(stage: Composition, time: float, size: tuple[int, int]) -> np.ndarray:
-    return stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], 3)
+    return stage.frame(time, stage.canvas.blank()).reshape(size[1], size[0], -1)
 
 
 def _save(image: np.ndarray, path: Path) -> Path:

@@ -56,6 +56,8 @@ class Look:
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
     among: outcomes of other trials (render.Among), drawn with the charts, for one recording.
+    transparent: leave out the ground, that is backdrop, floor, grid, sky and shadows, so that the picture can be laid over
+        another one: .webm, .webp and PNG keep opacity. Such a film has no cards, for they would hide what it is laid over.
 
     Errors: ValueError for a choice that is not possible.
     """
@@ -72,6 +74,7 @@ class Look:
     loop: bool = False
     chart: tuple[str, ...] | None = None
     among: "Among | None" = None
+    transparent: bool = False
 
     def __post_init__(self) -> None:
         theme_named(self.theme)
@@ -86,6 +89,8 @@ class Look:
             raise ValueError(f"label: {self.label} is not possible; use agents' numbers, from 0 on, prey first")
         if self.loop and self.cards:
             raise ValueError("loop: a loop has no beginning for a card; leave out the cards")
+        if self.transparent and self.cards:
+            raise ValueError("transparent: a card would hide what the film is laid over; leave out the cards")
         for name in self.chart or ():
             if name not in CHARTS:
                 raise ValueError(f"chart: unknown {name!r}; use any of {', '.join(CHARTS)}")
@@ -113,8 +118,9 @@ class Look:
 
     @property
     def colours(self) -> Theme:
-        """Give the theme itself."""
-        return theme_named(self.theme)
+        """Give the theme itself; without its ground for transparent pictures."""
+        theme = theme_named(self.theme)
+        return theme.without_ground() if self.transparent else theme
 
 
 def look_of(choices: dict[str, Any]) -> Look:

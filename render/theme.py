@@ -1,6 +1,6 @@
 """Themes: every colour and stroke of the picture, one frozen dataclass a theme."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from render.raster.shapes import Colour, colour, mixed
 
@@ -37,6 +37,7 @@ class Theme:
     type_weight: float  # power of the ink's coverage: dark type looks thin in linear light and needs less than 1
     cleaned_alpha: float  # cleaned ground
     heat: tuple[str, str, str]  # density: sparse, middling, crowded
+    ground_alpha: float = 1.0  # the world's floor, and the sky
 
     def __getitem__(self, name: str) -> Colour:
         """Give a colour of the theme as linear light."""
@@ -47,6 +48,10 @@ class Theme:
         """Give what the world's floor and the sky look like, from edge to middle: marks must stand off all of them."""
         floor = self["world"]
         return floor, mixed(floor, self["glow"], self.glow_alpha), *(colour(each) for each in self.sky)
+
+    def without_ground(self) -> "Theme":
+        """Give the theme for pictures that are laid over others: no floor, no sky, no light on them and no shadow."""
+        return replace(self, ground_alpha=0.0, glow_alpha=0.0, shadow_alpha=0.0)
 
     def label(self, hue: str) -> Colour:
         """Give the colour of words on an area of a hue: between it and the ink, for thin strokes need more contrast."""

@@ -32,6 +32,9 @@ SIGN, PIP = 5.4, 14
 RANKS = ("arrived", "alive", "captured", "crashed")
 """The order of the signs, from the right."""
 
+LINED = 0.3
+"""Opacity of lines between cells that have no ground."""
+
 PLATE = 0.72
 """Opacity of what lies under words on a cell."""
 
@@ -156,7 +159,8 @@ class Mosaic(Caption):
         half = max(HAIR * self._unit / 2, 0.75)
         low = np.array([(place.left, place.top) for place in self._places])
         high = np.array([(place.right, place.bottom) for place in self._places])
-        return boxes(low, high, self._theme["backdrop"], stroke=half)
+        paint, alpha = (self._theme["backdrop"], 1.0) if self._theme.ground_alpha else (self._theme["line"], LINED)
+        return boxes(low, high, paint, alpha, stroke=half)
 
     def _labelled(self, time: float) -> list[np.ndarray]:
         if self._px(LABEL) < LEGIBLE:

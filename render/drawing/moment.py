@@ -63,7 +63,8 @@ def moment(
     stage = Composition(subject, size, style, yuv=False, labels=labels, field=field, atlas=manuscript)
     if stage.caption:
         stage.caption.progresses = False
-    page = Page(size, UNIT / unit_of(size), manuscript, style.colours["backdrop"], kind)
+    backdrop = None if style.transparent else style.colours["backdrop"]
+    page = Page(size, UNIT / unit_of(size), manuscript, backdrop, kind)
     try:
         with tempfile.TemporaryDirectory(prefix="tiswarm-faces-") as folder, replacing(target) as part:
             page.draw(stage.shapes(time), stage.windows, np.array(style.colours["world"]), Path(folder))

@@ -34,14 +34,17 @@ STYLE: dict[Any, Any] = {
 class Page:
     """A page of some size [px], of which each makes `scale` points."""
 
-    def __init__(self, size: tuple[int, int], scale: float, manuscript: Manuscript, backdrop: Sequence[float], kind: str):
-        """Begin it. backdrop: linear light. kind: "pdf" or "svg". Errors: MissingExtra."""
+    def __init__(
+        self, size: tuple[int, int], scale: float, manuscript: Manuscript, backdrop: Sequence[float] | None, kind: str
+    ):
+        """Begin it. backdrop: linear light; None for no ground. kind: "pdf" or "svg". Errors: MissingExtra."""
         needed("plot", "matplotlib")
         from matplotlib.figure import Figure
 
         self._size, self._scale, self._manuscript, self._kind = size, scale, manuscript, kind
         points = size[0] * scale, size[1] * scale
-        self._figure = Figure(figsize=(points[0] / 72, points[1] / 72), dpi=72, facecolor=tuple(encoded(backdrop)))
+        paper = "none" if backdrop is None else tuple(encoded(backdrop))
+        self._figure = Figure(figsize=(points[0] / 72, points[1] / 72), dpi=72, facecolor=paper)
         self._axes = self._figure.add_axes((0, 0, 1, 1), xlim=(0, points[0]), ylim=(0, points[1]))
         self._axes.set_axis_off()
         self._above = 0

@@ -21,6 +21,9 @@ GRID_STEPS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 LINES = 12
 
+OUTLINED = 0.4
+"""Opacity of outlines of areas."""
+
 WALL = 5
 """Width of walls [units of type]."""
 
@@ -57,7 +60,7 @@ def ground(
         bare = is_sky(subject)
         rows += [
             NONE if bare and not endless else _grid(world, theme, unit, camera, 0.06, window if endless else None),
-            *(_area(area, theme, camera) for area in world.areas),
+            *(_area(area, theme, unit, camera) for area in world.areas),
             *([] if bare and endless else _edge(world.boundary, low, high, theme, unit, 0.22 / len(cameras))),
             _target(target, subject, theme, unit, camera, lone=len(cameras) == 1) if target else NONE,
             _obstacles(subject, theme, unit, camera, lone=len(cameras) == 1),
@@ -71,21 +74,21 @@ def _floor(
 ) -> list[np.ndarray]:
     """Draw a floor that is lit in its middle; or the sky. framed: it ends at its corners, not at the stage's."""
     shade = boxes(low, high, theme["shadow"], theme.shadow_alpha * 0.7, corner=6 * unit, soft=28 * unit) if framed else NONE
-    corner = 3 * unit if framed else 0.0
+    corner, seen = 3 * unit if framed else 0.0, theme.ground_alpha
     if is_sky(subject):
         overhead, horizon = (colour(each) for each in theme.sky)
-        return [shade, boxes(low, high, overhead, corner=corner), boxes(low, high, horizon, 0.0, 1.0, corner=corner)]
+        return [shade, boxes(low, high, overhead, seen, corner=corner), boxes(low, high, horizon, 0.0, seen, corner=corner)]
     reach = np.hypot(*(high - low)) / 2
     if box.rounded(subject.scenario.world.boundary):
         middle, radius = (low + high) / 2, (high - low).min() / 2
         return [
             discs(middle, radius, theme["shadow"], theme.shadow_alpha * 0.7, soft=28 * unit),
-            discs(middle, radius, theme["world"]),
+            discs(middle, radius, theme["world"], seen),
             discs(middle, reach * 0.25, theme["glow"], theme.glow_alpha, soft=min(reach * 1.5, 2 * radius - reach * 0.5)),
         ]
     return [
         shade,
-        boxes(low, high, theme["world"], corner=corner),
+        boxes(low, high, theme["world"], seen, corner=corner),
         discs((low + high) / 2, reach * 0.25, theme["glow"], theme.glow_alpha, soft=reach * 1.5),
     ]
 
@@ -129,7 +132,7 @@ def _grid(
     ends = np.concatenate([np.stack([across, 0 * across + y1], 1), np.stack([0 * up + x1, up], 1)])
     if box.rounded(world.boundary):
         starts, ends = _chords(starts, ends, *box.disc(world.size[:2]))
-    return capsules(camera.place(starts), camera.place(ends), wide / 2, wide / 2, theme["line"], alpha)
+    return capsules(camera.place(starts), camera.place(ends), wide / 2, wide / 2, theme["line"], alpha * theme.ground_alpha)
 
 
 def _chords(starts: np.ndarray, ends: np.ndarray, middle: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -169,7 +172,7 @@ def _room(subject: Recording | Live, theme: Theme, unit: float, camera: Orbit) -
         a, b = np.arange(2 * len(ends[0])).reshape(2, -1)
     floor = camera.place(np.array([(0, 0), (0, height), (width, height), (width, 0)], float))[None]
     rows = [
-        quads(floor, theme["world"]),
+        quads(floor, theme["world"], theme.ground_alpha),
         quads(floor, theme["glow"], 0.5 * theme.glow_alpha),
         _grid(subject.scenario.world, theme, 1.2 * unit, camera, 0.16),
         capsules(
@@ -214,9 +217,10 @@ def spheres(subject: Recording | Live, theme: Theme, camera: Camera) -> tuple[np
     return np.concatenate(rows), np.tile(near, len(rows))
 
 
-def _area(area: Area, theme: Theme, camera: Camera) -> np.ndarray:
-    """Tint an area; its name is written above all that moves."""
-    return boxes(*_corners(area.region.low, area.region.high, camera), theme[hue_of(area.label)], theme.tint_alpha)
+def _area(area: Area, theme: Theme, unit: float, camera: Camera) -> np.ndarray:
+    """Tint an area, or outline it where there is no ground; its name is written above all that moves."""
+    alpha, stroke = (theme.tint_alpha, 0.0) if theme.ground_alpha else (OUTLINED, 0.75 * unit)
+    return boxes(*_corners(area.region.low, area.region.high, camera), theme[hue_of(area.label)], alpha, stroke=stroke)
 
 
 def reaching_in(subject: Recording | Live, centres: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

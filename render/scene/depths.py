@@ -31,7 +31,8 @@ def depths(theme: Theme, unit: float, camera: Orbit, window: np.ndarray) -> np.n
     gone = np.linalg.norm(spots - camera.centre, axis=1) / (SEEN * camera.away)
     spots, gone = spots[gone < 1], gone[gone < 1]
     motes = discs(camera.place(spots), SIZE * unit * camera.nearness(spots), theme["line"], STRENGTH * (1 - gone))
-    return np.concatenate([boxes(low, high, overhead), boxes(low, high, horizon, 0.0, 1.0), motes])
+    seen = theme.ground_alpha
+    return np.concatenate([boxes(low, high, overhead, seen), boxes(low, high, horizon, 0.0, seen), motes])
 
 
 def _scattered(cells: np.ndarray) -> np.ndarray:

@@ -112,6 +112,10 @@ def film(
     loop: Annotated[
         bool, typer.Option("--loop", help="Let the end run into the beginning, to be shown again and again; without cards.")
     ] = False,
+    transparent: Annotated[
+        bool,
+        typer.Option("--transparent", help="Leave out the ground, to be laid over others: .webm, .webp, PNG; without cards."),
+    ] = False,
     sets: Sets = None,
     strategy_path: StrategyPath = None,
     seed: Seed = 0,
@@ -129,16 +133,18 @@ def film(
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
     look["label"] = _numbers(label)
-    look |= {"slow": slow, "story": story, "cards": cards and not loop, "loop": loop}
+    look |= {"slow": slow, "story": story, "cards": cards and not (loop or transparent), "loop": loop}
+    look["transparent"] = transparent
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
     pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
     rate = frame_rate(fps)
-    planned = output or Path("out") / "film.mp4"  # its name is not known yet, its format is
-    render.check_film(planned, pixels, rate, quality)
+    usual = ".webm" if transparent else ".mp4"
+    planned = output or Path("out") / f"film{usual}"  # its name is not known yet, its format is
+    _, planned_rate = render.check_film(planned, pixels, rate, quality, transparent=transparent)
     for image in (poster, sheet):
         if image is not None:
-            render.check_image(image)
+            render.check_image(image, transparent=transparent)
     if subtitles is not None and subtitles.suffix.lower() != ".vtt":
         raise WrongInput(f"--subtitles {subtitles}: unknown format; name a file that ends in .vtt")
     if moment is not None:
@@ -168,7 +174,7 @@ def film(
     if among:
         look["among"] = others(source, subject, among)
     if subtitles is not None:
-        render.subtitles(subject, subtitles, rate or render.check_film(planned, pixels, rate, quality)[1], **look)
+        render.subtitles(subject, subtitles, planned_rate, **look)
     for sampled in FIELDS:
         if sampled in names(overlay):
             look["field"] = field(subject, sampled)
@@ -179,7 +185,7 @@ def film(
         if not quiet:
             out.print(f"{path}  (tick {moment[0]:g})")
     if filmed:
-        _film(subject, output or Path("out") / f"{name}.mp4", pixels, rate, quiet, quality=quality, **look)
+        _film(subject, output or Path("out") / f"{name}{usual}", pixels, rate, quiet, quality=quality, **look)
     if poster is not None:
         render.poster(again(subject), poster, size=pixels, time=middle(subject), **look)
     if sheet is not None:
