@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from render.captions.measured import measured
+from render.language import Language
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import NONE, Colour, capsules, colour, darts
 from render.scene.scene import Scene
@@ -13,9 +15,6 @@ from render.scene.signs import signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
-from tiswarm.scenario.changes import changes
-from tiswarm.scenario.words import told
-from tiswarm.system.words import grouped
 
 LEGIBLE = 8
 """Words that would be smaller than this [px] are left out, but for the title, the clock and the numbers."""
@@ -34,6 +33,20 @@ class Caption:
     def __init__(self, scene: Scene, atlas: Atlas, unit: float):
         """Take what to write about, and what to write with."""
         self._scene, self._atlas, self._unit, self._theme = scene, atlas, unit, scene.theme
+        self._words = scene.look.wording
+        self._turn: float | None = None
+
+    def _within(self, left: float, right: float) -> None:
+        """Turn what is placed from now on about the middle of a range [px], where lines run from right to left."""
+        self._turn = None if self._words.rightward else left + right
+
+    def _x(self, x: Any) -> Any:
+        """Give where something stands that lines from left to right have at x [px]."""
+        return x if self._turn is None else self._turn - x
+
+    def _span(self, left: float, right: float) -> tuple[float, float]:
+        """Give where a range stands that lines from left to right have there [px]."""
+        return (left, right) if self._turn is None else (self._turn - right, self._turn - left)
 
     def _px(self, units: float) -> int:
         """Turn a size of type into whole pixels."""
@@ -45,18 +58,21 @@ class Caption:
         """Write a line. size: in units of type; small print that nobody could read is left out."""
         if size < SMALL and self._px(size) < LEGIBLE:
             return NONE
-        return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
+        if self._turn is not None:
+            align = {"left": "right", "right": "left"}.get(align, align)
+        text = text if tabular else self._words.line(text)
+        return self._atlas.line(text, (self._x(x), y), self._px(size), self._theme[paint], align=align, tabular=tabular)
 
     def _likeness(self, kind: str, x: float, y: float, unit: float) -> np.ndarray:
         """Draw one of the prey, the predators or the obstacles as it looks on the stage."""
-        middle, right = np.array([[x, y]]), np.array([[unit, 0.0]])
+        middle, right = np.array([[self._x(x), y]]), np.array([[unit, 0.0]])
         if kind == "prey":
             return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, colour(self._theme.prey[0]))
         return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, colour(self._theme.predator))
 
     def _sign(self, fate: int, x: float, y: float, size: float) -> np.ndarray:
         """Draw the sign of a fate."""
-        return signs(fate, np.array([[x, y]]), size, self._theme)
+        return signs(fate, np.array([[self._x(x), y]]), size, self._theme)
 
 
 def pixels(units: float, unit: float) -> int:
@@ -121,14 +137,20 @@ class Counter:
 
 
 def counted(
-    name: str, number: Callable[[float], int], total: int, paint: Colour, unit: str = "", sign: int | None = None
+    words: Language,
+    name: str,
+    number: Callable[[float], int],
+    total: int,
+    paint: Colour,
+    unit: str = "",
+    sign: int | None = None,
 ) -> Counter:
     """Count something of which there are at most `total`."""
     return Counter(
         name,
-        lambda time: grouped(number(time)),
+        lambda time: words.whole(number(time)),
         paint,
-        grouped(total),
+        words.whole(total),
         unit,
         lambda time: number(time) / max(total, 1),
         sign,
@@ -138,7 +160,7 @@ def counted(
 def counters(scene: Scene) -> list[Counter]:
     """List what is worth counting in a scene of one subject: what its preset is about, and what can happen there."""
     subject, paths, theme = scene.subjects[0], scene.paths, scene.theme
-    hunters, words = paths.count - paths.prey, subject.scenario.words
+    hunters, words, scenario = paths.count - paths.prey, scene.look.wording, subject.scenario
     ends = possible_ends(scene, 0)
 
     def there(prey: bool) -> Callable[[float], int]:
@@ -148,19 +170,26 @@ def counters(scene: Scene) -> list[Counter]:
         return lambda time: int(((paths.end <= time) & paths.is_prey & (paths.fate == fate)).sum())
 
     found = []
-    for name in subject.scenario.film.measures:
+    for name in scenario.film.measures:
         each = measured(scene, 0, name)
         found.append(Counter(each.name, each.text, colour(theme.prey[0]), each.widest, each.unit, each.share))
     if coverage := scene.coverage:
         share = coverage.share
-        found.append(counted(words.covered, lambda time: round(100 * share(time)), 100, theme["arrived"], "%"))
+        name = words.word("covered", scenario.words.covered)
+        found.append(counted(words, name, lambda time: round(100 * share(time)), 100, theme["arrived"], "%"))
     if ends:
-        found.append(counted(FATES[ALIVE], there(True), paths.prey, colour(theme.prey[0]), sign=ALIVE))
-    found += [counted(FATES[fate], gone(fate), paths.prey, theme[FATES[fate]], sign=fate) for fate in ends]
-    deadly = any(fate != ARRIVED for fate in ends) and subject.scenario.world.contact == "deadly"
+        found.append(counted(words, fated(scene, ALIVE), there(True), paths.prey, colour(theme.prey[0]), sign=ALIVE))
+    found += [counted(words, fated(scene, fate), gone(fate), paths.prey, theme[FATES[fate]], sign=fate) for fate in ends]
+    deadly = any(fate != ARRIVED for fate in ends) and scenario.world.contact == "deadly"
     if hunters > 1 and deadly:
-        found.append(counted(words.noun("predators", hunters), there(False), hunters, colour(theme.predator)))
+        name = words.noun(scenario, "predators", hunters)
+        found.append(counted(words, name, there(False), hunters, colour(theme.predator)))
     return found
+
+
+def fated(scene: Scene, fate: int) -> str:
+    """Say what became of who met a fate."""
+    return scene.look.wording.say(f"fates.{FATES[fate]}")
 
 
 def possible_ends(scene: Scene, number: int) -> list[int]:
@@ -187,11 +216,12 @@ def introduced(scene: Scene) -> list[tuple[str, str, str]]:
             ways = [agents.strategy] * (agents.strategy not in (noun, scenario.words.noun(kind, 1))) + [
                 agents.avoidance
             ] * avoids
-            who.append((kind, f"{grouped(count)} {noun}", " · ".join(ways)))
+            who.append((kind, scene.look.wording.counted(scenario, kind, count), " · ".join(ways)))
     return who
 
 
-def notes(subject: Recording | Live) -> str:
+def notes(subject: Recording | Live, words: Language) -> str:
     """Say where a subject comes from, and what of its preset was changed."""
-    which = f"trial\N{NO-BREAK SPACE}{subject.trial} · seed\N{NO-BREAK SPACE}{subject.seed}"
-    return " · ".join(each for each in (subject.scenario.source, told(changes(subject.scenario)), which) if each)
+    which = [words.say("lines.trial", number=str(subject.trial)), words.say("lines.seed", number=str(subject.seed))]
+    which = [each.replace(" ", "\N{NO-BREAK SPACE}") for each in which]
+    return " · ".join(each for each in (subject.scenario.source, words.changed(subject.scenario), *which) if each)

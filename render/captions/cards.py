@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from render.captions.caption import Caption, Counter, fitting, introduced, possible_ends
+from render.captions.caption import Caption, Counter, fated, fitting, introduced, possible_ends
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import ALPHA, NONE, boxes, moved
 from render.scene.scene import Scene
 from render.scene.trajectories import ALIVE, ARRIVED
-from tiswarm.records.recording import FATES
-from tiswarm.system.words import grouped
 
 FADE = 0.25
 """How long a card comes or goes [s of film]."""
@@ -31,6 +29,7 @@ class Cards(Caption):
         super().__init__(scene, atlas, unit)
         self._size, self._found, self._note = size, found, note
         self._made: dict[str, np.ndarray] = {}
+        self._within(0, 0)
 
     def frame(self, name: str, age: float, left: float) -> np.ndarray:
         """Draw a card. name: "opening" or "closing". age, left: since it came and until it goes [s of film]."""
@@ -44,7 +43,7 @@ class Cards(Caption):
     def _opening(self) -> np.ndarray:
         unit, room = self._unit, SHARE * self._size[0]
         scenario = self._scene.subjects[0].scenario
-        title, size = fitting(scenario.title, TITLES, room, 3, unit)
+        title, size = fitting(self._words.title(scenario), TITLES, room, 3, unit)
         lines: list[tuple[float, np.ndarray]] = [(1.16 * size, self._centred(line, size, "ink")) for line in title]
         lines.append((14, NONE))
         for line in wrapped(self._note, self._px(NOTE), int(room), 3):
@@ -60,8 +59,8 @@ class Cards(Caption):
         scenario, paths = self._scene.subjects[0].scenario, self._scene.paths
         paths.reach(paths.last)  # from there all ends are known
         time = paths.last * scenario.world.dt
-        noun = f"{grouped(paths.prey)} {scenario.words.noun('prey', paths.prey)}"
-        words = f"{noun} after {time:.0f} s"
+        who = self._words.counted(scenario, "prey", paths.prey)
+        words = self._words.say("lines.after", who=who, time=self._words.whole(round(time)))
         counts = [(each.text(paths.last), each.unit, each.name, each.sign) for each in self._found]
         counts = counts or self._totals()
         wide = sum(self._room(each, NUMBER) for each in counts)
@@ -74,7 +73,8 @@ class Cards(Caption):
         paths = self._scene.paths
         fates = np.where(paths.end <= paths.last, paths.fate, ALIVE)[paths.is_prey]
         ends = self._ends()
-        return [(grouped(int((fates == fate).sum())), "", FATES[fate], fate) for fate in ([ALIVE, *ends] if ends else [ALIVE])]
+        shown = [ALIVE, *ends] if ends else [ALIVE]
+        return [(self._words.whole(int((fates == fate).sum())), "", fated(self._scene, fate), fate) for fate in shown]
 
     def _ends(self) -> list[int]:
         return sorted({fate for n in range(len(self._scene.subjects)) for fate in possible_ends(self._scene, n)})
@@ -116,7 +116,8 @@ class Cards(Caption):
         ends, unit = self._ends(), self._unit
         if not ends:
             return NONE
-        called = {fate: FATES[fate] if fate != ARRIVED else "reached the target" for fate in (ALIVE, *ends)}
+        reached = {ARRIVED: self._words.say("fates.reached")}
+        called = {fate: reached.get(fate) or fated(self._scene, fate) for fate in (ALIVE, *ends)}
         wide = [width(word, self._px(KEY)) + 52 * unit for word in called.values()]
         x, rows = -(sum(wide) - 26 * unit) / 2, []
         for (fate, word), room in zip(called.items(), wide, strict=True):

@@ -45,7 +45,7 @@ class Strip(Panel):
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit + spare, box.right - INSET * unit, box.bottom)
         y = self._box.top
         self._clock_base = y + CLOCK * 0.82 * unit
-        self._still.append(self._write("s", self._box.right, self._clock_base, 24, "quiet", "right"))
+        self._still.append(self._write(self._words.unit("s"), self._box.right, self._clock_base, 24, "quiet", "right"))
         for line in plan.title:
             y += plan.size * 1.12 * unit
             self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
@@ -86,7 +86,8 @@ class Strip(Panel):
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
         (x, base, wide), half = self._spots[row], 1.75 * self._unit
         y = base + 9 * self._unit
-        return boxes((x, y - half), (x + share * wide, y + half), paint, alpha, corner=half)
+        left, right = self._span(x, x + share * wide)
+        return boxes((left, y - half), (right, y + half), paint, alpha, corner=half)
 
     def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
         (x, base, wide), counter = self._spots[row], self._counters[row]
@@ -98,13 +99,14 @@ class Strip(Panel):
         return [*rows, self._write(digits, right, base, NUMBER, paint, "right", tabular=True)]
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        end = self._box.right - width("s", self._px(24)) - 6 * self._unit
+        end = self._box.right - width(self._words.unit("s"), self._px(24)) - 6 * self._unit
         return [self._write(clocked(self._scene, time), end, self._clock_base, CLOCK, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
         """Draw the line between stage and caption."""
         top, half = self._panel.top, 1.5 * self._unit
-        return boxes((0.0, top), (self._panel.width * share, top + 2 * half), paint, alpha)
+        left, right = self._span(0.0, self._panel.width * share)
+        return boxes((left, top), (right, top + 2 * half), paint, alpha)
 
 
 class _Plan:
@@ -112,11 +114,13 @@ class _Plan:
 
     def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter], note: str):
         room = wide - 2 * INSET * unit
-        scenario = scene.subjects[0].scenario
+        words = scene.look.wording
         widths = [counter.room(pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit)) + 7 * unit for counter in found]
-        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
-        clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + (6 + APART) * unit
-        self.title, self.size = fitting(scenario.title, TITLES, room - clock, 2, unit)
+        longest = clocked(scene, scene.paths.last)
+        clock = (
+            width(longest, pixels(CLOCK, unit), tabular=True) + width(words.unit("s"), pixels(24, unit)) + (6 + APART) * unit
+        )
+        self.title, self.size = fitting(words.title(scene.subjects[0].scenario), TITLES, room - clock, 2, unit)
         beside = room - sum(each + GAP * unit for each in widths) - (APART - GAP) * unit
         who, noted = introduced(scene), max(width(note, pixels(NOTE, unit)), 1)
         needed = max(noted, max((_wide(each, unit) for each in who), default=0.0) if len(who) > 1 else 0.0)
