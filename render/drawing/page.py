@@ -177,7 +177,7 @@ def _pieces(line: Line) -> list[tuple[int, str, float]]:
 
 
 def _clusters(letters: str) -> list[str]:
-    """Part turned letters, each with its marks behind it: turned round they come before it, and alone they get a dotted ring."""
+    """Part turned letters, each with its marks behind it: turned they come before it, and alone they get a dotted ring."""
     found, marks = [], ""
     for letter in letters:
         if unicodedata.category(letter) == "Mn":
