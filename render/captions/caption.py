@@ -11,7 +11,7 @@ from render.language import Language
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import NONE, Colour, capsules, colour, darts
 from render.scene.scene import Scene
-from render.scene.signs import signs
+from render.scene.signs import PARTED, signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
@@ -67,8 +67,17 @@ class Caption:
         """Draw one of the prey, the predators or the obstacles as it looks on the stage."""
         middle, right = np.array([[self._x(x), y]]), np.array([[unit, 0.0]])
         if kind == "prey":
-            return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, colour(self._theme.prey[0]))
+            return self._prey_likeness(middle, right)
         return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, colour(self._theme.predator))
+
+    def _prey_likeness(self, middle: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Draw one of the prey, or one of each of the first two parts of a swarm that splits up."""
+        split = any(map(parted, self._scene.subjects))
+        size, unit, rows = 0.75 if split else 1.0, right[0, 0], []
+        for hue, aside in ((1, 4.5), (0, -4.5)) if split else ((0, 0.0),):
+            at, paint = middle + np.array((0.0, aside * unit)), colour(self._theme.prey[hue])
+            rows.append(capsules(at + 3 * size * right, at - 8 * size * right, 6 * size * unit, 1.3 * size * unit, paint))
+        return np.concatenate(rows)
 
     def _sign(self, fate: int, x: float, y: float, size: float) -> np.ndarray:
         """Draw the sign of a fate."""
@@ -188,8 +197,20 @@ def counters(scene: Scene) -> list[Counter]:
 
 
 def fated(scene: Scene, fate: int) -> str:
-    """Say what became of who met a fate."""
-    return scene.look.wording.say(f"fates.{FATES[fate]}")
+    """Say what became of who met a fate, or that a swarm is PARTED."""
+    return scene.look.wording.say("lines.parts" if fate == PARTED else f"fates.{FATES[fate]}")
+
+
+def keyed(scene: Scene) -> list[int]:
+    """List the signs that need a word: fates that prey can meet, and that colours are parts of a swarm."""
+    subjects = scene.subjects
+    ends = sorted({fate for number in range(len(subjects)) for fate in possible_ends(scene, number)})
+    return [*([ALIVE, *ends] if ends else []), *([PARTED] if any(map(parted, subjects)) else [])]
+
+
+def parted(subject: Recording | Live) -> bool:
+    """Tell whether a recorded swarm splits up."""
+    return isinstance(subject, Recording) and bool((subject.prey.group > 0).any())
 
 
 def possible_ends(scene: Scene, number: int) -> list[int]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.captions.caption import LEGIBLE, Caption, fated, fitting, pixels, possible_ends
+from render.captions.caption import LEGIBLE, Caption, fated, fitting, keyed, pixels, possible_ends
 from render.captions.layout import SMALLEST, Box
 from render.captions.measured import measured
 from render.captions.panel import clocked
@@ -12,7 +12,7 @@ from render.language import Language
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import NONE, Colour, boxes, colour
 from render.scene.scene import Scene
-from render.scene.signs import signs
+from render.scene.signs import PARTED, signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
@@ -65,9 +65,8 @@ class Heading:
         longest = clocked(scene, scene.paths.last)
         self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width(words.unit("s"), pixels(24, unit)) + 30 * unit
         self.title, self.size = fitting(words.title(subjects[0].scenario), TITLES, room - self.clock, 2, unit)
-        ends = sorted({fate for n in range(len(subjects)) for fate in possible_ends(scene, n)})
         few = max((scene.paths.is_prey & (scene.paths.scene == n)).sum() for n in range(len(subjects))) <= PIPS
-        self.key = [ALIVE, *ends] if ends and few else []
+        self.key = [fate for fate in keyed(scene) if few or fate == PARTED]
         shared = len({subject.trial for subject in subjects}) == 1
         one = words.say("lines.trial", number=str(subjects[0].trial))
         trials = one if shared else words.say("lines.trials", len(subjects))
@@ -139,11 +138,13 @@ class Mosaic(Caption):
         x = INSET * unit + width(head.note, self._px(NOTE)) + 26 * unit
         if self._px(NOTE) >= LEGIBLE:
             for fate in head.key:
-                rows.append(self._sign(fate, x + SIGN * unit, y - 5 * unit, SIGN * unit))
-                x += (2 * SIGN + 6) * unit
                 name = fated(self._scene, fate)
-                rows.append(self._write(name, x, y, NOTE, "quiet"))
-                x += width(name, self._px(NOTE)) + 20 * unit
+                wide = (2 * SIGN + 6) * unit + width(name, self._px(NOTE))
+                if x + wide > self._right - INSET * unit - head.clock:
+                    break
+                rows.append(self._sign(fate, x + SIGN * unit, y - 5 * unit, SIGN * unit))
+                rows.append(self._write(name, x + (2 * SIGN + 6) * unit, y, NOTE, "quiet"))
+                x += wide + 20 * unit
         return np.concatenate(rows)
 
     def frame(self, time: float) -> np.ndarray:

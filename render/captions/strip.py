@@ -7,7 +7,7 @@ import numpy as np
 
 from render.captions.caption import LEGIBLE, Counter, fitting, introduced, pixels
 from render.captions.chart import chartable, height_for
-from render.captions.layout import Box
+from render.captions.layout import Box, dealt
 from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import Colour, boxes
@@ -125,7 +125,7 @@ class _Plan:
         who, noted = introduced(scene), max(width(note, pixels(NOTE, unit)), 1)
         needed = max(noted, max((_wide(each, unit) for each in who), default=0.0) if len(who) > 1 else 0.0)
         self.abreast = 0.9 * needed <= beside and beside > 0.3 * room
-        self.rows = _dealt(widths, room if not self.abreast else np.inf, GAP * unit)
+        self.rows = dealt(widths, room if not self.abreast else np.inf, GAP * unit)
         small = pixels(NOTE, unit) < LEGIBLE
         self.people = [] if small else _peopled(who, beside if self.abreast else room - clock, unit)
         self.notes = [] if small else wrapped(note, pixels(NOTE, unit), int(beside if self.abreast else room), 2)
@@ -138,16 +138,6 @@ class _Plan:
         self.height = (TOP + high + BOTTOM) * unit
 
 
-def _dealt(widths: list[float], room: float, gap: float) -> list[list[float]]:
-    """Deal widths to rows that have room for them."""
-    rows: list[list[float]] = []
-    for wide in widths:
-        if not rows or sum(rows[-1]) + len(rows[-1]) * gap + wide > room:
-            rows.append([])
-        rows[-1].append(wide)
-    return rows
-
-
 def _wide(who: tuple[str, str, str], unit: float) -> float:
     """Measure who plays with its likeness."""
     return 37 * unit + width(who[1], pixels(WHO, unit)) + width(who[2], pixels(HOW, unit))
@@ -156,7 +146,7 @@ def _wide(who: tuple[str, str, str], unit: float) -> float:
 def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[list[tuple[str, str, str]]]:
     """Deal who plays to lines."""
     widths = [_wide(each, unit) for each in who]
-    counts = [len(row) for row in _dealt(widths, room, 26 * unit)]
+    counts = [len(row) for row in dealt(widths, room, 26 * unit)]
     starts = np.concatenate([[0], np.cumsum(counts)]).astype(int)
     return [who[start:end] for start, end in pairwise(starts)]
 
