@@ -35,6 +35,7 @@ class Caption:
         self._scene, self._atlas, self._unit, self._theme = scene, atlas, unit, scene.theme
         self._words = scene.look.wording
         self._turn: float | None = None
+        self._key = keyed(scene)
 
     def _within(self, left: float, right: float) -> None:
         """Turn what is placed from now on about the middle of a range [px], where lines run from right to left."""
@@ -72,7 +73,7 @@ class Caption:
 
     def _prey_likeness(self, middle: np.ndarray, right: np.ndarray) -> np.ndarray:
         """Draw one of the prey, or one of each of the first two parts of a swarm that splits up."""
-        split = any(map(parted, self._scene.subjects))
+        split = PARTED in self._key
         size, unit, rows = 0.75 if split else 1.0, right[0, 0], []
         for hue, aside in ((1, 4.5), (0, -4.5)) if split else ((0, 0.0),):
             at, paint = middle + np.array((0.0, aside * unit)), colour(self._theme.prey[hue])
@@ -205,12 +206,14 @@ def keyed(scene: Scene) -> list[int]:
     """List the signs that need a word: fates that prey can meet, and that colours are parts of a swarm."""
     subjects = scene.subjects
     ends = sorted({fate for number in range(len(subjects)) for fate in possible_ends(scene, number)})
-    return [*([ALIVE, *ends] if ends else []), *([PARTED] if any(map(parted, subjects)) else [])]
+    return [*([ALIVE, *ends] if ends else []), *([PARTED] if parted(scene) else [])]
 
 
-def parted(subject: Recording | Live) -> bool:
-    """Tell whether a recorded swarm splits up."""
-    return isinstance(subject, Recording) and bool((subject.prey.group > 0).any())
+def parted(scene: Scene) -> bool:
+    """Tell whether a swarm splits up; of one that runs while it is filmed, whether it begins in parts."""
+    paths = scene.paths
+    recorded = any(isinstance(each, Recording) and bool((each.prey.group > 0).any()) for each in scene.subjects)
+    return recorded or bool((paths.groups(0.0)[paths.is_prey] > 0).any())
 
 
 def possible_ends(scene: Scene, number: int) -> list[int]:

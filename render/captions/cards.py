@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from render.captions.caption import Caption, Counter, fated, fitting, introduced, keyed
+from render.captions.caption import Caption, Counter, fated, fitting, introduced
 from render.captions.layout import dealt
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import ALPHA, NONE, boxes, moved
@@ -54,7 +54,7 @@ class Cards(Caption):
         if len(self._scene.subjects) == 1:
             lines += [(1.6 * WHO, self._player(*who)) for who in introduced(self._scene)]
             lines.append((18, NONE))
-        lines += [(1.6 * KEY, row) for row in self._key()]
+        lines += [(1.6 * KEY, row) for row in self._explained()]
         return self._stacked(lines)
 
     def _closing(self) -> np.ndarray:
@@ -75,7 +75,7 @@ class Cards(Caption):
         """Count what became of the prey of all subjects."""
         paths = self._scene.paths
         fates = np.where(paths.end <= paths.last, paths.fate, ALIVE)[paths.is_prey]
-        shown = [fate for fate in keyed(self._scene) if fate != PARTED] or [ALIVE]
+        shown = [fate for fate in self._key if fate != PARTED] or [ALIVE]
         return [(self._words.whole(int((fates == fate).sum())), "", fated(self._scene, fate), fate) for fate in shown]
 
     def _room(self, each: tuple[str, str, str, int | None], size: float) -> float:
@@ -110,10 +110,10 @@ class Cards(Caption):
             rows.append(self._write(how, x + wide - width(how, self._px(NOTE)), 0, NOTE, "quiet"))
         return np.concatenate(rows)
 
-    def _key(self) -> list[np.ndarray]:
+    def _explained(self) -> list[np.ndarray]:
         """Explain the signs of what can become of prey, and the colours of a swarm's parts, in as many rows as they need."""
         unit, reached = self._unit, {ARRIVED: self._words.say("fates.reached")}
-        named = [(fate, reached.get(fate) or fated(self._scene, fate)) for fate in keyed(self._scene)]
+        named = [(fate, reached.get(fate) or fated(self._scene, fate)) for fate in self._key]
         rows, gap, left = [], 26 * unit, iter(named)
         for row in dealt([width(word, self._px(KEY)) + 24 * unit for _, word in named], SHARE * self._size[0], gap):
             x, shapes = -(sum(row) + (len(row) - 1) * gap) / 2, []

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.captions.caption import keyed
 from render.composition import Composition
 from render.language import NAMES
 from render.raster.shapes import ALPHA, KIND, PLACE, SIZE, SPRITE
@@ -63,6 +62,6 @@ def test_what_cards_say_stays_inside_the_frame(chase, size, count, language):
 def test_a_key_explains_the_colours_of_a_swarm_that_splits_up_and_only_there(chase):
     whole = replace(chase, prey=replace(chase.prey, group=np.zeros_like(chase.prey.group)))
     for subject, explained in ((chase, True), (whole, False), ([whole, chase], True), ([whole, whole], False)):
-        assert (PARTED in keyed(stage(subject).scene)) == explained
+        assert (PARTED in stage(subject)._cards._key) == explained
     assert len(stage(chase).caption._prey_likeness(np.zeros((1, 2)), np.ones((1, 2)))) == 2
     assert len(stage(whole).caption._prey_likeness(np.zeros((1, 2)), np.ones((1, 2)))) == 1
