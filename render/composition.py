@@ -90,7 +90,7 @@ class Composition:
             raise ValueError("slow: a live simulation does not know its captures beforehand; record it first")
         if look.loop and self.is_live:
             raise ValueError("loop: a live simulation does not know its end beforehand; record it first")
-        note = notes(subjects[0])
+        note = notes(subjects[0], look.wording)
         upright = look.camera == "fit" and gains(size, subjects)
         if upright:
             field = turned_field(field, subjects[0].scenario.world.size[0]) if field else None
@@ -101,7 +101,7 @@ class Composition:
         if alone:
             self._single(subjects[0], size, note)
         else:
-            self._several(subjects, size, labels or labels_of(subjects))
+            self._several(subjects, size, labels or labels_of(subjects, look.wording))
         self._still = all(each.still for each in self.rigs)
         self._joint: Camera | None = None
         self._letters: np.ndarray | None = None
@@ -192,15 +192,15 @@ class Composition:
     def _lettered(self, time: float) -> np.ndarray:
         """Write on the stages: names of areas, and on the last stage the scale, which all share."""
         if self._letters is None or not self._still:
-            theme, unit, rows = self.look.colours, self.scene.unit, [NONE]
+            theme, words, unit, rows = self.look.colours, self.look.wording, self.scene.unit, [NONE]
             for n, (subject, held) in enumerate(zip(self.scene.subjects, self.rigs, strict=True)):
-                rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time)))
+                rows.append(lettering.names(subject, theme, self._atlas, unit, held.at(time), words))
                 rows[-1][:, WINDOW] = len(self.boxes) + n
             if self.caption and self.caption.shown:
                 edges = self.windows[-2]
-                bars = [lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time))]
+                bars = [lettering.scale_bar(edges, theme, self._atlas, self._unit, self.rigs[-1].at(time), words)]
                 if self.scene.density:
-                    bars.append(self.scene.density.scale.bar(edges, theme, self._atlas, self._unit))
+                    bars.append(self.scene.density.scale.bar(edges, theme, self._atlas, self._unit, words))
                 rows += [self._in_frame(each) for each in bars]
             self._letters = np.concatenate(rows)
         return self._letters

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from render.encoder import FilmError
+from render.language import Language, language_named
 from render.scene.trajectories import Trajectories
 from render.style import look_of
 from render.timeline import HOLD, Rate, times
 from tiswarm.records.recording import Recording, Swarm
 from tiswarm.space import box
 from tiswarm.system.files import replacing
-from tiswarm.system.words import grouped, listed, reason
+from tiswarm.system.words import reason
 
 OPENING, CLOSING = 1.5, 2.0
 """How long a film's cards stay [s of film]."""
@@ -24,12 +25,8 @@ OPENING, CLOSING = 1.5, 2.0
 READING, TOGETHER = 2.5, 1.2
 """How long a line rests, and how close lines follow each other before they are told at once [s of film]."""
 
-ENDS = {
-    "captured": ("is caught", "are caught"),
-    "arrived": ("reaches the target", "reach the target"),
-    "crashed": ("crashes", "crash"),
-}
-"""Fate -> what is said of one, and of several."""
+ENDS = {"captured": "caught", "arrived": "reach", "crashed": "crash"}
+"""Fate -> the line that says so."""
 
 
 @dataclass(frozen=True)
@@ -41,24 +38,33 @@ class Event:
     agents: tuple[int, ...] = ()
 
 
-def events(recording: Recording) -> list[Event]:
-    """Tell what became of agents, tick by tick. Agents have the numbers that the recording's arrays give them."""
+def events(recording: Recording, words: Language | None = None) -> list[Event]:
+    """Tell what became of agents, tick by tick. Agents have the numbers that the recording's arrays give them.
+
+    words: the language, English when None.
+    """
+    words = words or language_named("en")
     told: list[tuple[int, Event]] = []
     for rank, kind in enumerate(("prey", "predators")):
         swarm: Swarm = getattr(recording, kind)
         gone = ends(swarm)
-        for fate, words in ENDS.items():
+        for fate, line in ENDS.items():
             took = (swarm.fate == fate) & (kind == "prey" or fate == "crashed")
             for tick in np.unique(gone[took]):
                 agents = np.flatnonzero(took & (gone == tick))
                 captor = _captor(recording, agents, int(tick)) if fate == "captured" else None
-                by = "" if captor is None else f" by {recording.scenario.words.noun('predators', 1)} {captor}"
-                line = f"{_named(recording, kind, agents)} {words[len(agents) > 1]}{by}"
+                who = _named(recording, kind, agents, words)
+                if captor is None:
+                    told_so = words.say(f"lines.{line}", len(agents), who=who)
+                else:
+                    hunter = f"{words.noun(recording.scenario, 'predators', 1)} {captor}"
+                    told_so = words.say("lines.caught-by", len(agents), who=who, captor=hunter)
                 took_part = [
                     *(agents + rank * recording.prey.count),
                     *([] if captor is None else [captor + recording.prey.count]),
                 ]
-                told.append((rank, Event(int(tick), line, tuple(map(int, took_part)))))
+                event = Event(int(tick), told_so[:1].upper() + told_so[1:], tuple(map(int, took_part)))
+                told.append((rank, event))
     return [each for _, each in sorted(told, key=lambda pair: (pair[1].tick, pair[0]))]
 
 
@@ -67,10 +73,9 @@ def ends(swarm: Swarm) -> np.ndarray:
     return swarm.alive.sum(axis=0)
 
 
-def _named(recording: Recording, kind: str, agents: np.ndarray) -> str:
+def _named(recording: Recording, kind: str, agents: np.ndarray, words: Language) -> str:
     """Call agents by their noun and numbers."""
-    noun = recording.scenario.words.noun(kind, len(agents))
-    return f"{noun[:1].upper()}{noun[1:]} {listed([str(agent) for agent in agents])}"
+    return f"{words.noun(recording.scenario, kind, len(agents))} {words.listed([str(agent) for agent in agents])}"
 
 
 def _captor(recording: Recording, captives: np.ndarray, tick: int) -> int | None:
@@ -91,13 +96,15 @@ def _captor(recording: Recording, captives: np.ndarray, tick: int) -> int | None
     return int(captors[0])
 
 
-def outcome(recording: Recording) -> str:
-    """Say how it ended: how many of the prey met which end."""
+def outcome(recording: Recording, words: Language | None = None) -> str:
+    """Say how it ended: how many of the prey met which end. words: as of `events`."""
+    words = words or language_named("en")
     fates = recording.prey.fate
     counts = {fate: int((fates == fate).sum()) for fate in ("arrived", "captured", "crashed", "alive")}
-    noun, time = recording.scenario.words.noun("prey", len(fates)), recording.ticks * recording.scenario.world.dt
-    parts = [f"{grouped(count)} {name}" for name, count in counts.items() if count]
-    return f"After {time:.0f} s, of {grouped(len(fates))} {noun}: {listed(parts)}."
+    time = words.whole(round(recording.ticks * recording.scenario.world.dt))
+    parts = [f"{words.whole(count)} {words.say(f'fates.{name}')}" for name, count in counts.items() if count]
+    who = words.counted(recording.scenario, "prey", len(fates))
+    return words.say("lines.outcome", time=time, who=who, ends=words.listed(parts))
 
 
 def subtitles(recording: Recording, path: str | os.PathLike, fps: Rate = 60, **look: Any) -> Path:
@@ -106,11 +113,14 @@ def subtitles(recording: Recording, path: str | os.PathLike, fps: Rate = 60, **l
     Errors: ValueError or TypeError for a choice that is not possible; FilmError when the file cannot be written.
     """
     style, target = look_of(look), Path(path)
+    words = style.wording
     shown = list(times(Trajectories([recording]), style.speed, fps, slow=style.slowed))
     begin, more = (OPENING, CLOSING) if style.cards else (0.0, 0.0)
-    happened = [(begin + bisect_left(shown, each.tick) / float(fps), each.words + ".") for each in events(recording)]
+    happened = [(begin + bisect_left(shown, each.tick) / float(fps), each.words + ".") for each in events(recording, words)]
     last = begin + len(shown) / float(fps)
-    cues = _cues([(0.0, recording.scenario.title + "."), *happened, (last - HOLD, outcome(recording))], last + more)
+    cues = _cues(
+        [(0.0, words.title(recording.scenario) + "."), *happened, (last - HOLD, outcome(recording, words))], last + more
+    )
     lines = [f"{_stamp(start)} --> {_stamp(end)}\n{words}\n" for start, end, words in cues]
     try:
         with replacing(target) as part:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
+from render.language import Language, language_named
 from render.theme import Theme, theme_named
 from tiswarm.scenario.measures import Shown
 
@@ -56,6 +57,7 @@ class Look:
     chart: what to chart beside or below the picture of one recording, any of CHARTS; None for what its preset is about, where
         space is left; () for nothing.
     among: outcomes of other trials (render.Among), drawn with the charts, for one recording.
+    language: what captions are written in: "en", "de" or "ar" (render/languages/).
     transparent: leave out the ground, that is backdrop, floor, grid, sky and shadows, so that the picture can be laid over
         another one: .webm, .webp and PNG keep opacity. Such a film has no cards, for they would hide what it is laid over.
 
@@ -74,10 +76,12 @@ class Look:
     loop: bool = False
     chart: tuple[str, ...] | None = None
     among: "Among | None" = None
+    language: str = "en"
     transparent: bool = False
 
     def __post_init__(self) -> None:
         theme_named(self.theme)
+        language_named(self.language)
         if not 0 < self.speed < 1e6:
             raise ValueError(f"speed: {self.speed} is not possible; use ticks per second above 0")
         if not 0 <= self.trail < 1e6:
@@ -121,6 +125,11 @@ class Look:
         """Give the theme itself; without its ground for transparent pictures."""
         theme = theme_named(self.theme)
         return theme.without_ground() if self.transparent else theme
+
+    @property
+    def wording(self) -> Language:
+        """Give what captions are worded by."""
+        return language_named(self.language)
 
 
 def look_of(choices: dict[str, Any]) -> Look:

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.captions.caption import Caption
+from render.captions.caption import Caption, fated
 from render.captions.layout import Box
 from render.raster.glyphs import Atlas
 from render.raster.shapes import boxes, discs
 from render.scene.scene import Scene
 from render.scene.signs import sign_paint
 from tiswarm.records.recording import FATES
-from tiswarm.system.words import grouped
 
 NAME, LEVEL = 15, 13
 """Sizes of its name and of the numbers below it."""
@@ -51,8 +50,10 @@ class Histogram(Caption):
     def ground(self) -> list[np.ndarray]:
         """Draw its name, bars and numbers."""
         unit, plot, trials = self._unit, self._plot, len(self._among.counts)
-        name = f"{self._among.fate} in {grouped(trials)} other trials"
+        name = self._words.say("lines.among", trials, fate=fated(self._scene, self._fate))
+        self._within(plot.left, plot.right)
         rows = [self._write(name, plot.left, plot.top - 8 * unit, NAME, "quiet")]
+        self._turn = None  # numbers grow to the right in all languages
         many = np.bincount(np.clip(self._among.counts, 0, self._prey).astype(int) // self._wide, minlength=self._bars)
         step, there = plot.width / self._bars, np.flatnonzero(many)
         left = plot.left + (there + 0.08) * step
@@ -62,7 +63,9 @@ class Histogram(Caption):
         rows.append(boxes((plot.left, plot.bottom), (plot.right, plot.bottom + 1.2 * unit), self._theme["line"], 0.4))
         base = plot.bottom + (LEVEL + 5) * unit
         for count, align in ((0, "left"), (self._prey, "right")):
-            rows.append(self._write(grouped(count), plot.left if count == 0 else plot.right, base, LEVEL, "quiet", align))
+            rows.append(
+                self._write(self._words.whole(count), plot.left if count == 0 else plot.right, base, LEVEL, "quiet", align)
+            )
         return rows
 
     def frame(self, time: float) -> list[np.ndarray]:

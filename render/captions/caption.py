@@ -2,20 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from render.captions.measured import measured
+from render.language import Language
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import NONE, Colour, capsules, colour, darts
 from render.scene.scene import Scene
-from render.scene.signs import signs
+from render.scene.signs import PARTED, signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED, CRASHED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
-from tiswarm.scenario.changes import changes
-from tiswarm.scenario.words import told
-from tiswarm.system.words import grouped
 
 LEGIBLE = 8
 """Words that would be smaller than this [px] are left out, but for the title, the clock and the numbers."""
@@ -39,6 +38,21 @@ class Caption:
     def __init__(self, scene: Scene, atlas: Atlas, unit: float):
         """Take what to write about, and what to write with."""
         self._scene, self._atlas, self._unit, self._theme = scene, atlas, unit, scene.theme
+        self._words = scene.look.wording
+        self._turn: float | None = None
+        self._key = keyed(scene)
+
+    def _within(self, left: float, right: float) -> None:
+        """Turn what is placed from now on about the middle of a range [px], where lines run from right to left."""
+        self._turn = None if self._words.rightward else left + right
+
+    def _x(self, x: Any) -> Any:
+        """Give where something stands that lines from left to right have at x [px]."""
+        return x if self._turn is None else self._turn - x
+
+    def _span(self, left: float, right: float) -> tuple[float, float]:
+        """Give where a range stands that lines from left to right have there [px]."""
+        return (left, right) if self._turn is None else (self._turn - right, self._turn - left)
 
     def _px(self, units: float) -> int:
         """Turn a size of type into whole pixels."""
@@ -50,18 +64,30 @@ class Caption:
         """Write a line. size: in units of type; small print that nobody could read is left out."""
         if size < SMALL and self._px(size) < LEGIBLE:
             return NONE
-        return self._atlas.line(text, (x, y), self._px(size), self._theme[paint], align=align, tabular=tabular)
+        if self._turn is not None:
+            align = {"left": "right", "right": "left"}.get(align, align)
+        text = text if tabular else self._words.line(text)
+        return self._atlas.line(text, (self._x(x), y), self._px(size), self._theme[paint], align=align, tabular=tabular)
 
     def _likeness(self, kind: str, x: float, y: float, unit: float) -> np.ndarray:
         """Draw one of the prey, the predators or the obstacles as it looks on the stage."""
-        middle, right = np.array([[x, y]]), np.array([[unit, 0.0]])
+        middle, right = np.array([[self._x(x), y]]), np.array([[unit, 0.0]])
         if kind == "prey":
-            return capsules(middle + 3 * right, middle - 8 * right, 6 * unit, 1.3 * unit, colour(self._theme.prey[0]))
+            return self._prey_likeness(middle, right)
         return darts(middle, right / unit, 9 * unit, 6.5 * unit, 6.5 * unit, colour(self._theme.predator))
+
+    def _prey_likeness(self, middle: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Draw one of the prey, or one of each of the first two parts of a swarm that splits up."""
+        split = PARTED in self._key
+        size, unit, rows = 0.75 if split else 1.0, right[0, 0], []
+        for hue, aside in ((1, 4.5), (0, -4.5)) if split else ((0, 0.0),):
+            at, paint = middle + np.array((0.0, aside * unit)), colour(self._theme.prey[hue])
+            rows.append(capsules(at + 3 * size * right, at - 8 * size * right, 6 * size * unit, 1.3 * size * unit, paint))
+        return np.concatenate(rows)
 
     def _sign(self, fate: int, x: float, y: float, size: float) -> np.ndarray:
         """Draw the sign of a fate."""
-        return signs(fate, np.array([[x, y]]), size, self._theme)
+        return signs(fate, np.array([[self._x(x), y]]), size, self._theme)
 
 
 def pixels(units: float, unit: float) -> int:
@@ -126,14 +152,20 @@ class Counter:
 
 
 def counted(
-    name: str, number: Callable[[float], int], total: int, paint: Colour, unit: str = "", sign: int | None = None
+    words: Language,
+    name: str,
+    number: Callable[[float], int],
+    total: int,
+    paint: Colour,
+    unit: str = "",
+    sign: int | None = None,
 ) -> Counter:
     """Count something of which there are at most `total`."""
     return Counter(
         name,
-        lambda time: grouped(number(time)),
+        lambda time: words.whole(number(time)),
         paint,
-        grouped(total),
+        words.whole(total),
         unit,
         lambda time: number(time) / max(total, 1),
         sign,
@@ -143,7 +175,7 @@ def counted(
 def counters(scene: Scene) -> list[Counter]:
     """List what is worth counting in a scene of one subject: what its preset is about, and what can happen there."""
     subject, paths, theme = scene.subjects[0], scene.paths, scene.theme
-    hunters, words = paths.count - paths.prey, subject.scenario.words
+    hunters, words, scenario = paths.count - paths.prey, scene.look.wording, subject.scenario
     ends = possible_ends(scene, 0)
 
     def there(prey: bool) -> Callable[[float], int]:
@@ -153,19 +185,40 @@ def counters(scene: Scene) -> list[Counter]:
         return lambda time: int(((paths.end <= time) & paths.is_prey & (paths.fate == fate)).sum())
 
     found = []
-    for name in subject.scenario.film.measures:
+    for name in scenario.film.measures:
         each = measured(scene, 0, name)
         found.append(Counter(each.name, each.text, colour(theme.prey[0]), each.widest, each.unit, each.share))
     if coverage := scene.coverage:
         share = coverage.share
-        found.append(counted(words.covered, lambda time: round(100 * share(time)), 100, theme["arrived"], "%"))
+        name = words.word("covered", scenario.words.covered)
+        found.append(counted(words, name, lambda time: round(100 * share(time)), 100, theme["arrived"], "%"))
     if ends:
-        found.append(counted(FATES[ALIVE], there(True), paths.prey, colour(theme.prey[0]), sign=ALIVE))
-    found += [counted(FATES[fate], gone(fate), paths.prey, theme[FATES[fate]], sign=fate) for fate in ends]
-    deadly = any(fate != ARRIVED for fate in ends) and subject.scenario.world.contact == "deadly"
+        found.append(counted(words, fated(scene, ALIVE), there(True), paths.prey, colour(theme.prey[0]), sign=ALIVE))
+    found += [counted(words, fated(scene, fate), gone(fate), paths.prey, theme[FATES[fate]], sign=fate) for fate in ends]
+    deadly = any(fate != ARRIVED for fate in ends) and scenario.world.contact == "deadly"
     if hunters > 1 and deadly:
-        found.append(counted(words.noun("predators", hunters), there(False), hunters, colour(theme.predator)))
+        name = words.noun(scenario, "predators", hunters)
+        found.append(counted(words, name, there(False), hunters, colour(theme.predator)))
     return found
+
+
+def fated(scene: Scene, fate: int) -> str:
+    """Say what became of who met a fate, or that a swarm is PARTED."""
+    return scene.look.wording.say("lines.parts" if fate == PARTED else f"fates.{FATES[fate]}")
+
+
+def keyed(scene: Scene) -> list[int]:
+    """List the signs that need a word: fates that prey can meet, and that colours are parts of a swarm."""
+    subjects = scene.subjects
+    ends = sorted({fate for number in range(len(subjects)) for fate in possible_ends(scene, number)})
+    return [*([ALIVE, *ends] if ends else []), *([PARTED] if parted(scene) else [])]
+
+
+def parted(scene: Scene) -> bool:
+    """Tell whether a swarm splits up; of one that runs while it is filmed, whether it begins in parts."""
+    paths = scene.paths
+    recorded = any(isinstance(each, Recording) and bool((each.prey.group > 0).any()) for each in scene.subjects)
+    return recorded or bool((paths.groups(0.0)[paths.is_prey] > 0).any())
 
 
 def possible_ends(scene: Scene, number: int) -> list[int]:
@@ -192,11 +245,12 @@ def introduced(scene: Scene) -> list[tuple[str, str, str]]:
             ways = [agents.strategy] * (agents.strategy not in (noun, scenario.words.noun(kind, 1))) + [
                 agents.avoidance
             ] * avoids
-            who.append((kind, f"{grouped(count)} {noun}", " · ".join(ways)))
+            who.append((kind, scene.look.wording.counted(scenario, kind, count), " · ".join(ways)))
     return who
 
 
-def notes(subject: Recording | Live) -> str:
+def notes(subject: Recording | Live, words: Language) -> str:
     """Say where a subject comes from, and what of its preset was changed."""
-    which = f"trial\N{NO-BREAK SPACE}{subject.trial} · seed\N{NO-BREAK SPACE}{subject.seed}"
-    return " · ".join(each for each in (subject.scenario.source, told(changes(subject.scenario)), which) if each)
+    which = [words.say("lines.trial", number=str(subject.trial)), words.say("lines.seed", number=str(subject.seed))]
+    which = [each.replace(" ", "\N{NO-BREAK SPACE}") for each in which]
+    return " · ".join(each for each in (subject.scenario.source, words.changed(subject.scenario), *which) if each)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from render.captions.caption import Caption, Counter, fitting, introduced, possible_ends
+from render.captions.caption import Caption, Counter, fated, fitting, introduced
+from render.captions.layout import dealt
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import ALPHA, NONE, boxes, moved
 from render.scene.scene import Scene
+from render.scene.signs import PARTED
 from render.scene.trajectories import ALIVE, ARRIVED
-from tiswarm.records.recording import FATES
-from tiswarm.system.words import grouped
 
 FADE = 0.25
 """How long a card comes or goes [s of film]."""
@@ -31,6 +31,7 @@ class Cards(Caption):
         super().__init__(scene, atlas, unit)
         self._size, self._found, self._note = size, found, note
         self._made: dict[str, np.ndarray] = {}
+        self._within(0, 0)
 
     def frame(self, name: str, age: float, left: float) -> np.ndarray:
         """Draw a card. name: "opening" or "closing". age, left: since it came and until it goes [s of film]."""
@@ -44,7 +45,7 @@ class Cards(Caption):
     def _opening(self) -> np.ndarray:
         unit, room = self._unit, SHARE * self._size[0]
         scenario = self._scene.subjects[0].scenario
-        title, size = fitting(scenario.title, TITLES, room, 3, unit)
+        title, size = fitting(self._words.title(scenario), TITLES, room, 3, unit)
         lines: list[tuple[float, np.ndarray]] = [(1.16 * size, self._centred(line, size, "ink")) for line in title]
         lines.append((14, NONE))
         for line in wrapped(self._note, self._px(NOTE), int(room), 3):
@@ -53,19 +54,20 @@ class Cards(Caption):
         if len(self._scene.subjects) == 1:
             lines += [(1.6 * WHO, self._player(*who)) for who in introduced(self._scene)]
             lines.append((18, NONE))
-        lines.append((1.6 * KEY, self._key()))
+        lines += [(1.6 * KEY, row) for row in self._explained()]
         return self._stacked(lines)
 
     def _closing(self) -> np.ndarray:
         scenario, paths = self._scene.subjects[0].scenario, self._scene.paths
         paths.reach(paths.last)  # from there all ends are known
         time = paths.last * scenario.world.dt
-        noun = f"{grouped(paths.prey)} {scenario.words.noun('prey', paths.prey)}"
-        words = f"{noun} after {time:.0f} s"
+        who = self._words.counted(scenario, "prey", paths.prey)
+        words = self._words.say("lines.after", who=who, time=self._words.whole(round(time)))
         counts = [(each.text(paths.last), each.unit, each.name, each.sign) for each in self._found]
         counts = counts or self._totals()
-        wide = sum(self._room(each, NUMBER) for each in counts)
-        rows = [counts] if wide <= SHARE * self._size[0] else [[each] for each in counts]
+        left = iter(counts)
+        rooms = dealt([self._room(each, NUMBER) for each in counts], SHARE * self._size[0], 0.0)
+        rows = [[next(left) for _ in row] for row in rooms]
         lines = [(44.0, self._centred(words, HEAD, "ink")), (24.0, NONE)]
         return self._stacked(lines + [(1.3 * NUMBER, self._counts(row, NUMBER)) for row in rows])
 
@@ -73,11 +75,8 @@ class Cards(Caption):
         """Count what became of the prey of all subjects."""
         paths = self._scene.paths
         fates = np.where(paths.end <= paths.last, paths.fate, ALIVE)[paths.is_prey]
-        ends = self._ends()
-        return [(grouped(int((fates == fate).sum())), "", FATES[fate], fate) for fate in ([ALIVE, *ends] if ends else [ALIVE])]
-
-    def _ends(self) -> list[int]:
-        return sorted({fate for n in range(len(self._scene.subjects)) for fate in possible_ends(self._scene, n)})
+        shown = [fate for fate in self._key if fate != PARTED] or [ALIVE]
+        return [(self._words.whole(int((fates == fate).sum())), "", fated(self._scene, fate), fate) for fate in shown]
 
     def _room(self, each: tuple[str, str, str, int | None], size: float) -> float:
         text, measure, name, sign = each
@@ -111,19 +110,20 @@ class Cards(Caption):
             rows.append(self._write(how, x + wide - width(how, self._px(NOTE)), 0, NOTE, "quiet"))
         return np.concatenate(rows)
 
-    def _key(self) -> np.ndarray:
-        """Explain the signs of what can become of prey."""
-        ends, unit = self._ends(), self._unit
-        if not ends:
-            return NONE
-        called = {fate: FATES[fate] if fate != ARRIVED else "reached the target" for fate in (ALIVE, *ends)}
-        wide = [width(word, self._px(KEY)) + 52 * unit for word in called.values()]
-        x, rows = -(sum(wide) - 26 * unit) / 2, []
-        for (fate, word), room in zip(called.items(), wide, strict=True):
-            rows.append(self._sign(fate, x + 8 * unit, -7 * unit, 7 * unit))
-            rows.append(self._write(word, x + 24 * unit, 0, KEY, "quiet"))
-            x += room
-        return np.concatenate(rows)
+    def _explained(self) -> list[np.ndarray]:
+        """Explain the signs of what can become of prey, and the colours of a swarm's parts, in as many rows as they need."""
+        unit, reached = self._unit, {ARRIVED: self._words.say("fates.reached")}
+        named = [(fate, reached.get(fate) or fated(self._scene, fate)) for fate in self._key]
+        rows, gap, left = [], 26 * unit, iter(named)
+        for row in dealt([width(word, self._px(KEY)) + 24 * unit for _, word in named], SHARE * self._size[0], gap):
+            x, shapes = -(sum(row) + (len(row) - 1) * gap) / 2, []
+            for wide in row:
+                fate, word = next(left)
+                shapes.append(self._sign(fate, x + 8 * unit, -7 * unit, 7 * unit))
+                shapes.append(self._write(word, x + 24 * unit, 0, KEY, "quiet"))
+                x += wide + gap
+            rows.append(np.concatenate(shapes))
+        return rows
 
     def _stacked(self, lines: list[tuple[float, np.ndarray]]) -> np.ndarray:
         """Put lines, drawn about (0, 0), one below the other in the middle of a veil. Each has its height [units of type]."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.captions.among import Histogram
-from render.captions.caption import Caption, possible_ends
+from render.captions.caption import Caption, fated, possible_ends
 from render.captions.layout import Box
 from render.captions.measured import UNITS, called
 from render.raster.glyphs import Atlas
@@ -16,7 +16,6 @@ from render.scene.signs import sign_paint
 from render.scene.trajectories import ALIVE
 from tiswarm.measures.recorded import MEANS
 from tiswarm.records.recording import FATES, Recording
-from tiswarm.system.words import grouped
 
 NAME, LEVEL = 15, 13
 """Sizes of a chart's name and of the numbers at its sides."""
@@ -56,11 +55,14 @@ def series(scene: Scene, name: str) -> Series:
     assert isinstance(recording, Recording)
     paint = colour(scene.theme.prey[0])
     if name == "alive":
-        return Series(name, "", recording.prey.alive.sum(axis=1).astype(float), float(max(recording.prey.count, 1)), paint)
+        return Series(
+            fated(scene, ALIVE), "", recording.prey.alive.sum(axis=1).astype(float), float(max(recording.prey.count, 1)), paint
+        )
     values = MEANS[name](recording)
     largest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
     top = 1.0 if name in ("polarisation", "milling") else rounded_up(largest)
-    return Series(called(scene, 0, name), UNITS.get(name, ""), values, top, paint)
+    unit = scene.look.wording.unit(UNITS.get(name, ""))
+    return Series(called(scene, 0, name), unit, values, top, paint)
 
 
 class Charts(Caption):
@@ -92,8 +94,10 @@ class Charts(Caption):
         unit, rows = self._unit, self.among.ground() if self.among else []
         for each, plot in zip(self._lines, self._plots, strict=True):
             base = plot.top - 8 * unit
+            self._within(plot.left, plot.right)  # time runs to the right in all languages, words do not
             rows.append(self._write(each.name, plot.left, base, NAME, "quiet"))
-            top = f"{each.top:g} {each.unit}".rstrip() if each.name != "alive" else grouped(round(each.top))
+            whole = not each.unit and each.top == round(each.top)
+            top = self._words.whole(round(each.top)) if whole else f"{self._words.short(each.top)} {each.unit}".rstrip()
             rows.append(self._write(top, plot.right, base, LEVEL, "quiet", "right"))
             for y, alpha in ((plot.top, 0.14), (plot.bottom, 0.4)):
                 rows.append(boxes((plot.left, y - 0.6 * unit), (plot.right, y + 0.6 * unit), self._theme["line"], alpha))

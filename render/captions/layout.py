@@ -1,6 +1,6 @@
 """How a frame is divided: the stage, and the caption beside or below it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 SIDE, WIDEST = 300, 420
@@ -92,3 +92,13 @@ def _below(size: tuple[int, int], unit: float, extent: tuple[float, float], need
     high = max(needed(width, grown), min(free, 0.45 * height) if free > 0 else 0)
     high = min(high, 0.6 * height)
     return Layout(size, grown, Box(0, 0, width, height - high), Box(0, height - high, width, height), "below")
+
+
+def dealt(widths: Sequence[float], room: float, gap: float) -> list[list[float]]:
+    """Deal widths to rows that have room for them, with a gap between two."""
+    rows: list[list[float]] = []
+    for wide in widths:
+        if not rows or sum(rows[-1]) + len(rows[-1]) * gap + wide > room:
+            rows.append([])
+        rows[-1].append(wide)
+    return rows

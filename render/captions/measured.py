@@ -18,7 +18,11 @@ FRACTIONS = ("polarisation", "milling")
 
 @dataclass(frozen=True)
 class Measured:
-    """A measure of one subject. name: what a caption calls it. at: its value at a time, NaN for none. share: 0 to 1 or None."""
+    """A measure of one subject.
+
+    name: what a caption calls it. at: its value at a time, NaN for none. share: 0 to 1 or None. written: writes a value with so
+    many digits.
+    """
 
     name: str
     unit: str
@@ -26,11 +30,12 @@ class Measured:
     digits: int
     widest: str
     share: Callable[[float], float] | None
+    written: Callable[[float, int], str]
 
     def text(self, time: float) -> str:
         """Write its value at a time."""
         value = self.at(time)
-        return f"{value:.{self.digits}f}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "–"
+        return self.written(value, self.digits) if np.isfinite(value) else "–"
 
 
 def measured(scene: Scene, number: int, name: str) -> Measured:
@@ -51,16 +56,16 @@ def measured(scene: Scene, number: int, name: str) -> Measured:
     else:
         at, largest, smallest = _live(scene, number, name), 99.0, 0.0
     digits = 0 if name == "groups" else 2 if max(abs(largest), abs(smallest)) < 100 else 1
-    widest = max((f"{each:.{digits}f}" for each in (largest, smallest)), key=len)
+    words = scene.look.wording
+    widest = max((words.decimal(each, digits) for each in (largest, smallest)), key=len)
     share = (lambda time: float(np.nan_to_num(at(time)))) if name in FRACTIONS else None
-    return Measured(called(scene, number, name), UNITS.get(name, ""), at, digits, widest, share)
+    return Measured(called(scene, number, name), words.unit(UNITS.get(name, "")), at, digits, widest, share, words.decimal)
 
 
 def called(scene: Scene, number: int, name: str) -> str:
     """Give what a caption calls a measure."""
     pair = int((scene.paths.is_prey & (scene.paths.scene == number)).sum()) == 2
-    words = {"nearest": "distance" if pair else "to the nearest", "kinetic": "kinetic energy", "potential": "potential energy"}
-    return words.get(name, name)
+    return scene.look.wording.say(f"measures.{'distance' if pair and name == 'nearest' else name}")
 
 
 def _live(scene: Scene, number: int, name: str) -> Callable[[float], float]:

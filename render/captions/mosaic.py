@@ -4,18 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.captions.caption import LEGIBLE, Caption, fitting, pixels, possible_ends
+from render.captions.caption import LEGIBLE, Caption, fated, fitting, keyed, pixels, possible_ends
 from render.captions.layout import SMALLEST, Box
 from render.captions.measured import measured
 from render.captions.panel import clocked
+from render.language import Language
 from render.raster.glyphs import Atlas, width, wrapped
 from render.raster.shapes import NONE, Colour, boxes, colour
 from render.scene.scene import Scene
-from render.scene.signs import signs
+from render.scene.signs import PARTED, signs
 from render.scene.trajectories import ALIVE, ARRIVED, CAPTURED
 from render.source import Live, target_of
 from tiswarm.records.recording import FATES, Recording
-from tiswarm.system.words import grouped
 
 INSET, HAIR = 18, 2
 """Rims of the head, and of lines between cells [units of type]."""
@@ -39,7 +39,7 @@ PLATE = 0.72
 """Opacity of what lies under words on a cell."""
 
 
-def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
+def labels_of(recordings: Sequence[Recording | Live], words: Language) -> list[str]:
     """Name recordings by what tells them apart: strategies, else seed and trial."""
     roles = (("prey", "strategy"), ("prey", "avoidance"), ("predators", "strategy"), ("predators", "avoidance"))
     ways = [
@@ -50,7 +50,11 @@ def labels_of(recordings: Sequence[Recording | Live]) -> list[str]:
     if differing:
         return [" · ".join(way[n] for n in differing) for way in ways]
     seeds = len({r.seed for r in recordings}) > 1
-    return [f"trial {r.trial}" + (f" · seed {r.seed}" if seeds else "") for r in recordings]
+    named = []
+    for each in recordings:
+        parts = [words.say("lines.trial", number=str(each.trial)), words.say("lines.seed", number=str(each.seed))]
+        named.append(" · ".join(parts if seeds else parts[:1]))
+    return named
 
 
 class Heading:
@@ -59,17 +63,17 @@ class Heading:
     def __init__(self, scene: Scene, size: tuple[int, int], unit: float):
         self.unit, self.shown = unit, size[0] >= SMALLEST[0] and size[1] >= SMALLEST[1]
         subjects = scene.subjects
-        scenario = subjects[0].scenario
+        words = scene.look.wording
         room = size[0] - 2 * INSET * unit
-        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
-        self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + 30 * unit
-        self.title, self.size = fitting(scenario.title, TITLES, room - self.clock, 2, unit)
-        ends = sorted({fate for n in range(len(subjects)) for fate in possible_ends(scene, n)})
+        longest = clocked(scene, scene.paths.last)
+        self.clock = width(longest, pixels(CLOCK, unit), tabular=True) + width(words.unit("s"), pixels(24, unit)) + 30 * unit
+        self.title, self.size = fitting(words.title(subjects[0].scenario), TITLES, room - self.clock, 2, unit)
         few = max((scene.paths.is_prey & (scene.paths.scene == n)).sum() for n in range(len(subjects))) <= PIPS
-        self.key = [ALIVE, *ends] if ends and few else []
+        self.key = [fate for fate in keyed(scene) if few or fate == PARTED]
         shared = len({subject.trial for subject in subjects}) == 1
-        trials = f"trial {subjects[0].trial}" if shared else f"{len(subjects)} trials"
-        self.note = f"{trials} · seed {subjects[0].seed}"
+        one = words.say("lines.trial", number=str(subjects[0].trial))
+        trials = one if shared else words.say("lines.trials", len(subjects))
+        self.note = f"{trials} · {words.say('lines.seed', number=str(subjects[0].seed))}"
         lines = len(self.title) * self.size * 1.12 + 12
         if pixels(NOTE, unit) >= LEGIBLE:
             lines += 1.3 * NOTE
@@ -125,6 +129,7 @@ class Mosaic(Caption):
         if not self._head.shown:
             return NONE
         unit, head, y = self._unit, self._head, 0.0
+        self._within(0, self._right)
         rows = [self._progress(1.0, self._theme["line"], 0.25)]
         y = 4 * unit
         for line in head.title:
@@ -132,22 +137,26 @@ class Mosaic(Caption):
             rows.append(self._write(line, INSET * unit, y, head.size, "ink"))
         y += 1.3 * NOTE * unit
         rows.append(self._write(head.note, INSET * unit, y, NOTE, "quiet"))
-        rows.append(self._write("s", self._right - INSET * unit, 42 * unit, 24, "quiet", "right"))
+        rows.append(self._write(self._words.unit("s"), self._right - INSET * unit, 42 * unit, 24, "quiet", "right"))
         x = INSET * unit + width(head.note, self._px(NOTE)) + 26 * unit
         if self._px(NOTE) >= LEGIBLE:
             for fate in head.key:
+                name = fated(self._scene, fate)
+                wide = (2 * SIGN + 6) * unit + width(name, self._px(NOTE))
+                if x + wide > self._right - INSET * unit - head.clock:
+                    break
                 rows.append(self._sign(fate, x + SIGN * unit, y - 5 * unit, SIGN * unit))
-                x += (2 * SIGN + 6) * unit
-                rows.append(self._write(FATES[fate], x, y, NOTE, "quiet"))
-                x += width(FATES[fate], self._px(NOTE)) + 20 * unit
+                rows.append(self._write(name, x + (2 * SIGN + 6) * unit, y, NOTE, "quiet"))
+                x += wide + 20 * unit
         return np.concatenate(rows)
 
     def frame(self, time: float) -> np.ndarray:
         """Draw what changes, and what stands on the cells: labels, fates, clock, progress."""
         rows = [self._lines(), *self._labelled(time)]
         if self._head.shown:
+            self._within(0, self._right)
             unit, ticks = self._unit, self._scene.paths.last
-            end = self._right - (INSET + 8) * unit - width("s", self._px(24))
+            end = self._right - (INSET + 8) * unit - width(self._words.unit("s"), self._px(24))
             rows += [
                 self._write(clocked(self._scene, time), end, 42 * unit, CLOCK, "ink", "right", tabular=True),
                 self._progress(min(time / ticks, 1.0) if ticks else 1.0, colour(self._theme.prey[0]), 0.9),
@@ -176,7 +185,8 @@ class Mosaic(Caption):
     def _corner(self, n: int, time: float) -> np.ndarray:
         """Write a cell's label and what became of its prey on a plate in its upper left corner."""
         unit, place = self._unit, self._places[n]
-        tally = self._words(n, time)
+        self._within(place.left, place.right)
+        tally = self._tally(n, time)
         signed = not tally and len(self._ends[n]) > 0
         wide = len(self._prey[n]) * PIP * unit if signed else width(tally, self._px(LABEL)) if tally else 0.0
         lead = self._lead(n, time)
@@ -186,9 +196,10 @@ class Mosaic(Caption):
         left, top = place.left + 3 * unit, place.top + 3 * unit
         start = left + 8 * unit + width(label, self._px(LABEL)) + 10 * unit
         far = start + (wide + 6 * unit if wide else -2 * unit)
-        right, base = far + beyond, top + 19 * unit
+        base = top + 19 * unit
+        low, high = self._span(left, far + beyond)
         rows = [
-            boxes((left, top), (right, top + 26 * unit), self._theme["backdrop"], PLATE, corner=4 * unit),
+            boxes((low, top), (high, top + 26 * unit), self._theme["backdrop"], PLATE, corner=4 * unit),
             self._write(label, left + 8 * unit, base, LABEL, "ink"),
         ]
         if tally:
@@ -204,9 +215,10 @@ class Mosaic(Caption):
         if not self._paired or n == 0:
             return ""
         kept = [int((self._fates(cell, time) < CAPTURED).sum()) for cell in (0, n)]
-        return f"{kept[1] - kept[0]:+d}".replace("-", "\N{MINUS SIGN}") if kept[0] != kept[1] else "±0"
+        sign = "±" if kept[0] == kept[1] else "+" if kept[1] > kept[0] else "\N{MINUS SIGN}"
+        return sign + self._words.whole(abs(kept[1] - kept[0]))
 
-    def _words(self, n: int, time: float) -> str:
+    def _tally(self, n: int, time: float) -> str:
         """Say what became of many prey, and what is measured where nothing can become of them."""
         if not self._ends[n]:
             each = self._measured[n]
@@ -216,7 +228,8 @@ class Mosaic(Caption):
         fates = self._fates(n, time)
         alive, dead = int((fates == ALIVE).sum()), int((fates >= CAPTURED).sum())
         counts = {"arrived": int((fates == ARRIVED).sum())} if target_of(self._scene.subjects[n]) else {"alive": alive}
-        return " · ".join(f"{grouped(number)} {name}" for name, number in {**counts, "dead": dead}.items())
+        counts["dead"] = dead
+        return " · ".join(f"{self._words.whole(number)} {self._words.say(f'fates.{name}')}" for name, number in counts.items())
 
     def _fates(self, n: int, time: float) -> np.ndarray:
         paths, prey = self._scene.paths, self._prey[n]
@@ -225,7 +238,7 @@ class Mosaic(Caption):
     def _signs(self, n: int, time: float, left: float, middle: float) -> np.ndarray:
         """Show the fate of each prey by its sign: the dead first, the arrived last."""
         ranked = np.sort([RANKS.index(FATES[fate]) for fate in self._fates(n, time)])[::-1]
-        across = left + (np.arange(len(ranked)) + 0.5) * PIP * self._unit
+        across = self._x(left + (np.arange(len(ranked)) + 0.5) * PIP * self._unit)
         spots = np.stack([across, np.full(len(ranked), middle)], axis=1)
         return np.concatenate(
             [signs(FATES.index(name), spots[ranked == k], SIGN * self._unit, self._theme) for k, name in enumerate(RANKS)]
@@ -235,5 +248,5 @@ class Mosaic(Caption):
         """Draw the line between the head and the cells."""
         if not self.progresses:
             return NONE
-        high = 3 * self._unit
-        return boxes((0.0, self._head.height - high), (self._right * share, self._head.height), paint, alpha)
+        high, (left, right) = 3 * self._unit, self._span(0.0, self._right * share)
+        return boxes((left, self._head.height - high), (right, self._head.height), paint, alpha)

@@ -34,6 +34,7 @@ class Panel(Caption):
         self._subject, self._counters, self._panel = scene.subjects[0], found, layout.panel
         self._note = note
         self._still: list[np.ndarray] = []
+        self._within(layout.panel.left, layout.panel.right)
         self._told: list[str] = []  # numbers change seldom: their shapes are kept until they do
         self._told_rows: list[np.ndarray] = []
         self._place(layout.panel)
@@ -67,7 +68,7 @@ class Panel(Caption):
         self._still += self._charts.ground()
 
     def _titled(self, y: float) -> float:
-        lines, size = fitting(self._subject.scenario.title, TITLES, self._box.width, 5, self._unit)
+        lines, size = fitting(self._words.title(self._subject.scenario), TITLES, self._box.width, 5, self._unit)
         for line in lines:
             y += size * 1.14 * self._unit
             self._still.append(self._write(line, self._box.left, y, size, "ink"))
@@ -105,7 +106,8 @@ class Panel(Caption):
         """Draw a counter's bar below its name."""
         box, half = self._box, 1.5 * self._unit
         y = self._numbers_top + (row * ROW + 34) * self._unit
-        return boxes((box.left, y - half), (box.left + share * box.width, y + half), paint, alpha, corner=half)
+        left, right = self._span(box.left, box.left + share * box.width)
+        return boxes((left, y - half), (right, y + half), paint, alpha, corner=half)
 
     def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
         """Write a counter's number at the end of its name's line."""
@@ -131,7 +133,7 @@ class Panel(Caption):
         if told != self._told:
             rows = []
             for n, (counter, text) in enumerate(zip(self._counters, told, strict=True)):
-                rows += self._number(n, text, "quiet" if text == "0" else "ink")
+                rows += self._number(n, text, "quiet" if text == self._words.whole(0) else "ink")
                 share = counter.share(time) if counter.share else 0.0
                 if share > 0:
                     rows.append(self._bar(n, min(share, 1.0), counter.paint, 0.95))
@@ -145,7 +147,7 @@ class Panel(Caption):
         base = self._box.bottom - 16 * self._unit
         return [
             self._write(digits, self._box.left, base, CLOCK, "ink", tabular=True),
-            self._write("s", end + 7 * self._unit, base, 26, "quiet"),
+            self._write(self._words.unit("s"), end + 7 * self._unit, base, 26, "quiet"),
         ]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
@@ -153,10 +155,10 @@ class Panel(Caption):
         if not self.progresses:
             return NONE
         y, half = self._box.bottom + 4 * self._unit, 1.5 * self._unit
-        left, right = self._box.left, self._box.right
-        return boxes((left, y - half), (left + (right - left) * share, y + half), paint, alpha, corner=half)
+        left, right = self._span(self._box.left, self._box.left + self._box.width * share)
+        return boxes((left, y - half), (right, y + half), paint, alpha, corner=half)
 
 
 def clocked(scene: Scene, time: float) -> str:
     """Write the time [ticks] of a scene in seconds of its world."""
-    return f"{min(time, scene.paths.last) * scene.subjects[0].scenario.world.dt:.1f}"
+    return scene.look.wording.decimal(min(time, scene.paths.last) * scene.subjects[0].scenario.world.dt, 1)

@@ -7,7 +7,7 @@ import numpy as np
 
 from render.captions.caption import LEGIBLE, Counter, fitting, introduced, pixels
 from render.captions.chart import chartable, height_for
-from render.captions.layout import Box
+from render.captions.layout import Box, dealt
 from render.captions.panel import HOW, INSET, NOTE, UNIT, Panel, clocked
 from render.raster.glyphs import width, wrapped
 from render.raster.shapes import NONE, Colour, boxes
@@ -45,7 +45,7 @@ class Strip(Panel):
         self._box = Box(box.left + INSET * unit, box.top + TOP * unit + spare, box.right - INSET * unit, box.bottom)
         y = self._box.top
         self._clock_base = y + CLOCK * 0.82 * unit
-        self._still.append(self._write("s", self._box.right, self._clock_base, 24, "quiet", "right"))
+        self._still.append(self._write(self._words.unit("s"), self._box.right, self._clock_base, 24, "quiet", "right"))
         for line in plan.title:
             y += plan.size * 1.12 * unit
             self._still.append(self._write(line, self._box.left, y, plan.size, "ink"))
@@ -86,7 +86,8 @@ class Strip(Panel):
     def _bar(self, row: int, share: float, paint: Colour, alpha: float) -> np.ndarray:
         (x, base, wide), half = self._spots[row], 1.75 * self._unit
         y = base + 9 * self._unit
-        return boxes((x, y - half), (x + share * wide, y + half), paint, alpha, corner=half)
+        left, right = self._span(x, x + share * wide)
+        return boxes((left, y - half), (right, y + half), paint, alpha, corner=half)
 
     def _number(self, row: int, digits: str, paint: str) -> list[np.ndarray]:
         (x, base, wide), counter = self._spots[row], self._counters[row]
@@ -98,7 +99,7 @@ class Strip(Panel):
         return [*rows, self._write(digits, right, base, NUMBER, paint, "right", tabular=True)]
 
     def _clock(self, time: float) -> list[np.ndarray]:
-        end = self._box.right - width("s", self._px(24)) - 6 * self._unit
+        end = self._box.right - width(self._words.unit("s"), self._px(24)) - 6 * self._unit
         return [self._write(clocked(self._scene, time), end, self._clock_base, CLOCK, "ink", "right", tabular=True)]
 
     def _progress(self, share: float, paint: Colour, alpha: float) -> np.ndarray:
@@ -106,7 +107,8 @@ class Strip(Panel):
         if not self.progresses:
             return NONE
         top, half = self._panel.top, 1.5 * self._unit
-        return boxes((0.0, top), (self._panel.width * share, top + 2 * half), paint, alpha)
+        left, right = self._span(0.0, self._panel.width * share)
+        return boxes((left, top), (right, top + 2 * half), paint, alpha)
 
 
 class _Plan:
@@ -114,16 +116,18 @@ class _Plan:
 
     def __init__(self, scene: Scene, wide: float, unit: float, found: list[Counter], note: str):
         room = wide - 2 * INSET * unit
-        scenario = scene.subjects[0].scenario
+        words = scene.look.wording
         widths = [counter.room(pixels(NUMBER, unit), pixels(NAME, unit), pixels(UNIT, unit)) + 7 * unit for counter in found]
-        longest = f"{scene.paths.last * scenario.world.dt:.1f}"
-        clock = width(longest, pixels(CLOCK, unit), tabular=True) + width("s", pixels(24, unit)) + (6 + APART) * unit
-        self.title, self.size = fitting(scenario.title, TITLES, room - clock, 2, unit)
+        longest = clocked(scene, scene.paths.last)
+        clock = (
+            width(longest, pixels(CLOCK, unit), tabular=True) + width(words.unit("s"), pixels(24, unit)) + (6 + APART) * unit
+        )
+        self.title, self.size = fitting(words.title(scene.subjects[0].scenario), TITLES, room - clock, 2, unit)
         beside = room - sum(each + GAP * unit for each in widths) - (APART - GAP) * unit
         who, noted = introduced(scene), max(width(note, pixels(NOTE, unit)), 1)
         needed = max(noted, max((_wide(each, unit) for each in who), default=0.0) if len(who) > 1 else 0.0)
         self.abreast = 0.9 * needed <= beside and beside > 0.3 * room
-        self.rows = _dealt(widths, room if not self.abreast else np.inf, GAP * unit)
+        self.rows = dealt(widths, room if not self.abreast else np.inf, GAP * unit)
         small = pixels(NOTE, unit) < LEGIBLE
         self.people = [] if small else _peopled(who, beside if self.abreast else room - clock, unit)
         self.notes = [] if small else wrapped(note, pixels(NOTE, unit), int(beside if self.abreast else room), 2)
@@ -136,16 +140,6 @@ class _Plan:
         self.height = (TOP + high + BOTTOM) * unit
 
 
-def _dealt(widths: list[float], room: float, gap: float) -> list[list[float]]:
-    """Deal widths to rows that have room for them."""
-    rows: list[list[float]] = []
-    for wide in widths:
-        if not rows or sum(rows[-1]) + len(rows[-1]) * gap + wide > room:
-            rows.append([])
-        rows[-1].append(wide)
-    return rows
-
-
 def _wide(who: tuple[str, str, str], unit: float) -> float:
     """Measure who plays with its likeness."""
     return 37 * unit + width(who[1], pixels(WHO, unit)) + width(who[2], pixels(HOW, unit))
@@ -154,7 +148,7 @@ def _wide(who: tuple[str, str, str], unit: float) -> float:
 def _peopled(who: list[tuple[str, str, str]], room: float, unit: float) -> list[list[tuple[str, str, str]]]:
     """Deal who plays to lines."""
     widths = [_wide(each, unit) for each in who]
-    counts = [len(row) for row in _dealt(widths, room, 26 * unit)]
+    counts = [len(row) for row in dealt(widths, room, 26 * unit)]
     starts = np.concatenate([[0], np.cumsum(counts)]).astype(int)
     return [who[start:end] for start, end in pairwise(starts)]
 

@@ -30,7 +30,7 @@ class Told(Caption):
         recording, self._stage = scene.subjects[0], stage
         assert isinstance(recording, Recording)
         self._groups: list[list[Event]] = []
-        for event in events(recording):
+        for event in events(recording, self._words):
             if self._groups and event.tick - self._groups[-1][0].tick < TOGETHER * scene.look.speed:
                 self._groups[-1].append(event)
             else:
@@ -61,7 +61,7 @@ class Told(Caption):
 
     def _line(self, told: list[Event]) -> np.ndarray:
         unit, stage, size = self._unit, self._stage, self._px(WORDS)
-        lines = wrapped(_sentence(told), size, int(SHARE * stage.width), 3)
+        lines = wrapped(self._words.clauses([each.words for each in told]), size, int(SHARE * stage.width), 3)
         wide = max(width(line, size) for line in lines) / 2 + PAD * unit
         high = 1.25 * WORDS * unit
         middle, foot = (stage.left + stage.right) / 2, stage.bottom - FOOT * unit
@@ -70,8 +70,3 @@ class Told(Caption):
         for n, line in enumerate(lines):
             rows.append(self._write(line, middle, top + (n + 0.95) * high, WORDS, "ink", "centre"))
         return np.concatenate(rows)
-
-
-def _sentence(told: list[Event]) -> str:
-    first, *others = (each.words for each in told)
-    return "; ".join([first, *(words[:1].lower() + words[1:] for words in others)])

@@ -1,6 +1,7 @@
 """A page of vectors, which matplotlib (extra `plot`) writes as PDF or SVG: shapes as paths, words as text to be searched."""
 
 import base64
+import unicodedata
 import warnings
 from collections.abc import Iterator, Sequence
 from io import BytesIO
@@ -172,10 +173,22 @@ def _pieces(line: Line) -> list[tuple[int, str, float]]:
     shown, pieces, along = faces.seen(line.words), [], 0.0
     turned = shown != line.words
     for face, letters in faces.runs(shown):
-        for piece in letters if turned else [letters]:
+        for piece in _clusters(letters) if turned else [letters]:
             pieces.append((face, piece, along))
             along += faces.font(face, line.size).getlength(piece)
     return pieces
+
+
+def _clusters(letters: str) -> list[str]:
+    """Part turned letters, each with its marks behind it: turned they come before it, and alone they get a dotted ring."""
+    found, marks = [], ""
+    for letter in letters:
+        if unicodedata.category(letter) == "Mn":
+            marks += letter
+        else:
+            found.append(letter + marks)
+            marks = ""
+    return found + [marks] * bool(marks)
 
 
 def _extent(line: Line) -> float:

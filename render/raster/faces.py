@@ -1,6 +1,6 @@
 """Faces: which font draws which letter, and text in the order in which it is seen.
 
-Aileron, which Pillow carries within itself, draws plain English, and looks the same on every machine; those in fonts/ draw
+Aileron, whose plain English Pillow carries within itself, draws most, and looks the same on every machine; those in fonts/ draw
 what it lacks, and a box stands for what no face has.
 """
 
@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = Path(__file__).with_name("fonts")
-FILES = ("", "DejaVuSans.ttf", "NotoSansCJK.otf")
+FILES = ("", "Aileron.ttf", "DejaVuSans.ttf", "NotoSansCJK.otf")
 """Faces in the order in which they are asked; the first is Pillow's own."""
 
 MISSING = "\u25a1"
 """An empty square, for a letter that no face has."""
 
 _AILERON = frozenset([*map(chr, range(0x20, 0x7F)), *"·…°’“”"])
-_SCALE = (1.0, 0.94, 1.0)  # that capitals of all faces look equally high
+_SCALE = (1.0, 1.0, 0.94, 1.0)  # that capitals of all faces look equally high
 _RIGHT_TO_LEFT = re.compile("[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufeff]")
 _ARABIC = re.compile("[\u0600-\u06ff]")
 
@@ -69,7 +69,7 @@ def runs(line: str) -> tuple[tuple[int, str], ...]:
         if unicodedata.category(letter) in ("Cf", "Mn") and not any(_has(face, letter) for face in range(len(FILES))):
             continue
         able = [face for face in range(len(FILES)) if _has(face, letter)]
-        face, drawn = (able[0], letter) if able else (1, MISSING)
+        face, drawn = (able[0], letter) if able else (FILES.index("DejaVuSans.ttf"), MISSING)
         if found and found[-1][0] == face:
             found[-1] = face, found[-1][1] + drawn
         else:

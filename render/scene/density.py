@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from render.language import Language
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW, cloud
 from render.scene.camera import Camera, Orbit
@@ -30,19 +31,20 @@ AWAY = 0.5
 class Density:
     """Clouds of agents: over the ground of flat worlds, between the eye and the walls of 3-D ones."""
 
-    def __init__(self, paths: Trajectories, theme: Theme, lone: np.ndarray, atlas: Atlas):
+    def __init__(self, paths: Trajectories, theme: Theme, lone: np.ndarray, atlas: Atlas, words: Language):
         """Prepare. lone: [agent], who is drawn one by one; the others make the cloud, or all when all are. atlas: takes it."""
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
         self._texels: list[np.ndarray] = []
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
-        self.scale = scale_of(theme, self._most(), veiled=bool(lone.all()), counted=self._words())
+        self.scale = scale_of(theme, self._most(), veiled=bool(lone.all()), counted=self._words(words))
 
-    def _words(self) -> str:
+    def _words(self, words: Language) -> str:
         """Say what is counted, and across what: in space all that lie behind each other."""
-        prey, words = self._counted & self._paths.is_prey, self._paths.subjects[0].scenario.words
-        noun = words.noun("prey", int(prey.sum())) if (prey == self._counted).all() else "agents"
-        return f"{noun} per m²" + (" of the view" if self._paths.dim == 3 else "")
+        prey, scenario = self._counted & self._paths.is_prey, self._paths.subjects[0].scenario
+        alone = (prey == self._counted).all()
+        who = words.noun(scenario, "prey", int(prey.sum())) if alone else words.say("lines.agents")
+        return words.say("lines.density-view" if self._paths.dim == 3 else "lines.density", who=who)
 
     def _most(self) -> float:
         """Find where the scale must end [agents/m²]: it does not change as they move."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from render.language import Language
 from render.raster.glyphs import Atlas, width
 from render.raster.shapes import NONE, capsules
 from render.scene.camera import Camera, Orbit
@@ -22,7 +23,7 @@ SPAN = 0.18
 """The bar is at most this share of the stage's width."""
 
 
-def names(subject: Recording | Live, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
+def names(subject: Recording | Live, theme: Theme, atlas: Atlas, unit: float, camera: Camera, words: Language) -> np.ndarray:
     """Name each area of a flat world once, in its lower left corner. unit: pixels per unit of type."""
     size, inset, rows = round(NAME * unit), INSET * unit, [NONE]
     if size < LEAST or isinstance(camera, Orbit):
@@ -30,7 +31,9 @@ def names(subject: Recording | Live, theme: Theme, atlas: Atlas, unit: float, ca
     for area in subject.scenario.world.areas:
         left, base = camera.place(np.array([area.region.low], float))[0] + (inset, -inset)
         hue = theme.label(hue_of(area.label))
-        rows.append(atlas.line(area.label.upper(), (left, base), size, hue, spacing=max(round(size * 0.12), 1)))
+        name = words.word("areas", area.label).upper()
+        apart = max(round(size * 0.12), 1) if words.rightward else 0  # letters that join must not be parted
+        rows.append(atlas.line(name, (left, base), size, hue, spacing=apart))
     return np.concatenate(rows)
 
 
@@ -40,7 +43,7 @@ def hue_of(label: str) -> str:
     return "danger" if "danger" in meant else "safe" if "safe" in meant else "line"
 
 
-def scale_bar(edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, camera: Camera) -> np.ndarray:
+def scale_bar(edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, camera: Camera, words: Language) -> np.ndarray:
     """Draw a bar of a round length in the lower right corner of a stage: in space as long as it looks in the view's middle.
 
     edges: x0, y0, x1, y1 [px]. unit: pixels per unit of type.
@@ -52,10 +55,11 @@ def scale_bar(edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, camera
     right, y, hue = edges[2] - INSET * unit, edges[3] - INSET * unit, theme.label("line")
     left, half = right - metres * camera.scale, max(0.8 * unit, 0.6)
     ends = np.array([(left, y - TICK * unit), (left, y), (right, y), (right, y - TICK * unit)])
-    words = atlas.line(length(metres), ((left + right) / 2, y - 7 * unit), size, hue, align="centre")
-    if width(length(metres), size) > right - left:  # beside the bar where it is too short to stand above it
-        words = atlas.line(length(metres), (left - 6 * unit, y), size, hue, align="right")
-    return np.concatenate([capsules(ends[:-1], ends[1:], half, half, hue, 1.0, group=1), words])
+    length = words.line(words.length(metres))
+    above = atlas.line(length, ((left + right) / 2, y - 7 * unit), size, hue, align="centre")
+    if width(length, size) > right - left:  # beside the bar where it is too short to stand above it
+        above = atlas.line(length, (left - 6 * unit, y), size, hue, align="right")
+    return np.concatenate([capsules(ends[:-1], ends[1:], half, half, hue, 1.0, group=1), above])
 
 
 def rounded(most: float) -> float:
@@ -70,10 +74,3 @@ def rounded_up(value: float) -> float:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
     return float(next(each * power for each in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10) if each * power >= value * (1 - 1e-9)))
-
-
-def length(metres: float) -> str:
-    """Write a round length with its unit."""
-    if metres >= 1000:
-        return f"{metres / 1000:g} km"
-    return f"{metres:g} m" if metres >= 0.1 else f"{100 * metres:g} cm"

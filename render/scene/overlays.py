@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from render.language import Language
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, WINDOW, capsules, colour, mixed, rings
 from render.scene.camera import Camera
@@ -24,11 +25,13 @@ LINKED = 2000
 class Overlays:
     """The overlays that a look asks for."""
 
-    def __init__(self, paths: Trajectories, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas):
-        """Prepare. unit: pixels per unit of type. lone, atlas: as for `Density`."""
+    def __init__(
+        self, paths: Trajectories, theme: Theme, unit: float, names: set[str], lone: np.ndarray, atlas: Atlas, words: Language
+    ):
+        """Prepare. unit: pixels per unit of type. lone, atlas, words: as for `Density`."""
         self._paths, self._theme, self._unit, self._names = paths, theme, unit, names
         self.coverage = Coverage(paths, theme) if "coverage" in names else None
-        self.density = Density(paths, theme, lone, atlas) if "density" in names else None
+        self.density = Density(paths, theme, lone, atlas, words) if "density" in names else None
         scenarios = [subject.scenario for subject in paths.subjects]
         linked = {n for n, scenario in enumerate(scenarios) if sprung(scenario)} if "links" in names else set()
         self._springs = {scene: Springs(paths, scene, theme) for scene in linked}

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.language import Language
 from render.raster.glyphs import Atlas
 from render.raster.shapes import NONE, boxes, colour
 from render.scene.lettering import rounded_up
@@ -53,7 +54,7 @@ class Scale:
         """Give the number of the colour of densities [agents/m²]."""
         return (np.sqrt(np.clip(density / self.top, 0, 1)) * (STEPS - 1) + 0.5).astype(np.int32)
 
-    def bar(self, edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float) -> np.ndarray:
+    def bar(self, edges: np.ndarray, theme: Theme, atlas: Atlas, unit: float, words: Language) -> np.ndarray:
         """Draw the scale in the lower left corner of a stage. edges: x0, y0, x1, y1 [px]; unit: pixels per unit of type."""
         size = round(TYPE * unit)
         if size < LEAST or LENGTH * unit > 0.6 * (edges[2] - edges[0]):
@@ -68,10 +69,10 @@ class Scale:
         rim = INSET * unit
         corners = (left - rim, top - 1.4 * size - 0.7 * rim), (right + rim, base + 1.4 * size + 0.7 * rim)
         plate = boxes(*corners, theme["backdrop"], PLATE, corner=4 * unit)
-        rows = [plate, pieces, atlas.line(self.counted, (left, top - 0.5 * size), size, theme.label("line"))]
+        rows = [plate, pieces, atlas.line(words.line(self.counted), (left, top - 0.5 * size), size, theme.label("line"))]
         for share, align in ((0.0, "left"), (0.5, "centre"), (1.0, "right")):
             spot = (left + share * (right - left), base + 1.3 * size)
-            rows.append(atlas.line(f"{share**2 * self.top:g}", spot, size, theme.label("line"), align=align))
+            rows.append(atlas.line(words.short(share**2 * self.top), spot, size, theme.label("line"), align=align))
         return np.concatenate(rows)
 
 

@@ -58,7 +58,7 @@ class Scene:
         self._fates = Fates(self.paths, self.theme, unit, look.speed)
         swept = any(subject.scenario.coverage.cell for subject in subjects)
         overlay = {*look.overlay, *(() if self._lone.all() else ("density",)), *(("coverage",) if swept else ())}
-        self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas)
+        self._overlays = Overlays(self.paths, self.theme, unit, overlay, self._lone, atlas, look.wording)
         self.coverage, self.density = self._overlays.coverage, self._overlays.density
         self._seen: tuple[Camera | None, np.ndarray | None] = (None, None)
         self._atlas = atlas

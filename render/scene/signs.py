@@ -12,14 +12,20 @@ _STROKES = {
     CRASHED: (((-0.8, -0.8), (0.8, 0.8)), ((-0.8, 0.8), (0.8, -0.8))),  # a cross
 }
 
+PARTED = len(FATES)
+"""In place of a fate: that a swarm has parts, each of its own colour."""
+
 
 def signs(fate: int, places: np.ndarray, size: float, theme: Theme, alpha: float = 1.0) -> np.ndarray:
     """Draw a fate at places [place, 2]: a disc for who lives, a tick for an arrival, a ring for a capture, a cross for a crash.
 
-    size: half the width of a sign [px].
+    PARTED is a pair of discs in the colours of the first two parts. size: half the width of a sign [px].
     """
     if not len(places):
         return NONE
+    if fate == PARTED:
+        pair = ((-0.45, colour(theme.prey[0])), (0.45, colour(theme.prey[1])))
+        return np.concatenate([discs(places + np.array((aside * size, 0.0)), 0.62 * size, hue, alpha) for aside, hue in pair])
     hue = sign_paint(fate, theme)
     if fate == ALIVE:
         return discs(places, 0.85 * size, hue, alpha)

@@ -60,13 +60,13 @@ class _Turned:
 
 
 def _moment(moment: Moment, width: float) -> Swarm:
-    judged = getattr(moment, "judged", None)  # which recordings know
     place, way = _places(moment.position, width), _ways(moment.velocity)
-    return Swarm(place, way, moment.fate, moment.state, moment.group, judged=None if judged is None else _places(judged, width))
+    return Swarm(place, way, moment.fate, moment.state, moment.group)
 
 
 def _swarm(swarm: Swarm, width: float) -> Swarm:
-    return replace(swarm, position=_places(swarm.position, width), velocity=_ways(swarm.velocity))
+    judged = None if swarm.judged is None else _places(swarm.judged, width)
+    return replace(swarm, position=_places(swarm.position, width), velocity=_ways(swarm.velocity), judged=judged)
 
 
 def _places(places: np.ndarray, width: float) -> np.ndarray:

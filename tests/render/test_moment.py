@@ -1,6 +1,7 @@
 """A moment as vectors: shapes where the film has them, words that can be read, the same bytes every time."""
 
 import re
+import unicodedata
 
 import numpy as np
 import pytest
@@ -10,9 +11,9 @@ from matplotlib.path import Path
 import render
 import tiswarm
 from render.composition import Composition
-from render.drawing.manuscript import Manuscript
+from render.drawing.manuscript import Line, Manuscript
 from render.drawing.outlines import outlined
-from render.drawing.page import Page
+from render.drawing.page import Page, _pieces
 from render.raster.shapes import boxes, capsules, darts, discs
 from render.style import Look
 
@@ -102,3 +103,10 @@ def test_what_is_no_moment_gets_one_line(recording, tmp_path, command):
     refused = command("film", "delft/pronav-10", "--moment", "20", "a.gif", cwd=tmp_path)
     assert refused.returncode == 2
     assert refused.stderr.count("\n") == 1
+
+
+def test_marks_stand_on_their_letters():
+    """Found by looking: a mark that is drawn by itself comes with a dotted ring."""
+    pieces = [words for _, words, _ in _pieces(Line("مفترسًا", 20, "left"))]
+    assert sum("ً" in words for words in pieces) == 1
+    assert all(unicodedata.category(words[0]) != "Mn" for words in pieces)

@@ -115,12 +115,13 @@ def test_nothing_that_moves_is_drawn_on_the_panel(make):
 
 def test_several_recordings_are_named_by_what_differs(make):
     from render.captions.mosaic import labels_of
+    from render.language import language_named
 
-    assert labels_of([make(trial=n) for n in (2, 5)]) == ["trial 2", "trial 5"]
+    assert labels_of([make(trial=n) for n in (2, 5)], language_named("en")) == ["trial 2", "trial 5"]
     ways = [make(), make()]
     other = tiswarm.load("delft/pronav-10", {"prey.strategy": "split"})
     object.__setattr__(ways[1], "scenario", other)
-    assert labels_of(ways) == ["baseline", "split"]
+    assert labels_of(ways, language_named("en")) == ["baseline", "split"]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 16])

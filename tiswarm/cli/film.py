@@ -11,6 +11,7 @@ import typer
 
 from tiswarm.cli.options import (
     Fps,
+    Language,
     Precision,
     Quiet,
     Seed,
@@ -112,6 +113,7 @@ def film(
     loop: Annotated[
         bool, typer.Option("--loop", help="Let the end run into the beginning, to be shown again and again; without cards.")
     ] = False,
+    language: Language = "en",
     transparent: Annotated[
         bool,
         typer.Option("--transparent", help="Leave out the ground, to be laid over others: .webm, .webp, PNG; without cards."),
@@ -132,9 +134,8 @@ def film(
     printed = theme or (use.theme if use else "print")
     theme = theme or (use.theme if use else "dark")
     look = {"theme": theme, "trail": trail, "camera": _camera(camera), "overlay": overlays}
-    look["label"] = _numbers(label)
+    look |= {"label": _numbers(label), "language": language, "transparent": transparent}
     look |= {"slow": slow, "story": story, "cards": cards and not (loop or transparent), "loop": loop}
-    look["transparent"] = transparent
     look["chart"] = None if chart is None else tuple(name for name in names(chart) if name != "none")
     render.Look(speed=10.0 if speed is None else speed, **look)  # wrong choices are told before anything runs
     pixels = use.size if use and not size else pair(size or "1280x720", "--size", "1280x720")
@@ -228,6 +229,7 @@ def demo(
     fps: Fps = None,
     theme: Theme = "dark",
     cards: Annotated[bool, typer.Option("--cards/--no-cards", help="Begin and end with a card of words.")] = True,
+    language: Language = "en",
     seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="Another seed than the showcase's.")] = None,
     threads: Threads = None,
     precision: Precision = "f32",
@@ -239,6 +241,7 @@ def demo(
 
     pixels = pair(size, "--size", "1280x720")
     rate = frame_rate(fps)
+    render.Look(theme=theme, language=language)
     path = output or Path("out") / f"{name.replace('/', '-')}.mp4"
     render.check_film(path, pixels, rate)
     check_writable(path.parent)
@@ -246,7 +249,7 @@ def demo(
     scenario = tiswarm.load(name)
     chosen = scenario.showcase
     subject = played(scenario, chosen.trial, chosen.seed if seed is None else seed)
-    _film(subject, path, pixels, rate, quiet, theme=theme, cards=cards)
+    _film(subject, path, pixels, rate, quiet, theme=theme, cards=cards, language=language)
 
 
 def _film(subject: Any, path: Path, size: tuple[int, int], rate: Fraction | None, quiet: bool, **look: Any) -> None:

@@ -53,6 +53,7 @@ StrategyPath = Annotated[
     typer.Option("--strategy-path", metavar="DIR", help="Folder with prey/, predators/ or avoidance/ files of your own."),
 ]
 Theme = Annotated[str, typer.Option("--theme", metavar="NAME", help="dark, light or print.")]
+Language = Annotated[str, typer.Option("--language", metavar="CODE", help="What captions are written in: en, de or ar.")]
 Size = Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height of the film in pixels, both even.")]
 Fps = Annotated[
     str | None, typer.Option("--fps", metavar="N", help="Frames per second, such as 29.97 or 30000/1001; 60, or 25 in a GIF.")

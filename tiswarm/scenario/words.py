@@ -77,11 +77,9 @@ def titled_table(table: Mapping[str, Any]) -> str:
     return titled(str(table.get("title", "")), Words(**table.get("words", {})), given)
 
 
-def told(changes: Mapping[str, Any], most: int = 3) -> str:
-    """Say which keys a scenario has other than its preset, in a line: the first few, and how many more."""
-    shown = [f"{path} = {_value(value)}" for path, value in list(changes.items())[:most]]
-    more = [f"{len(changes) - most} more"] * (len(changes) > most)
-    return "with " + ", ".join(shown + more) if changes else ""
+def named(changes: Mapping[str, Any]) -> list[str]:
+    """Write which keys a scenario has other than its preset."""
+    return [f"{path} = {_value(value)}" for path, value in changes.items()]
 
 
 def _value(value: Any) -> str:
