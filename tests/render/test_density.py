@@ -160,7 +160,7 @@ def test_the_scale_is_told_and_held_still(make, crowded):
     stages = [Composition(recording, size, Look(theme=theme), yuv=False) for theme in ("dark", "light")]
     for stage in stages:
         scale, frames = stage.scene.density.scale, [stage.frame(t, stage.canvas.blank()).copy() for t in (0.0, 2.0)]
-        words = scale.bar(stage.windows[-2], stage.look.colours, stage._atlas, stage._unit)
+        words = scale.bar(stage.windows[-2], stage.look.colours, stage._atlas, stage._unit, stage.look.wording)
         left, right = int(words[:, shapes.PLACE].min()) - 4, int(words[:, shapes.PLACE].max()) + 4
         low = int(stage.windows[-2][3]) - 24
         first, last = (each.reshape(size[1], size[0], 3)[low : low + 20, left:right] for each in frames)
