@@ -17,6 +17,8 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
+from tiswarm.simd import tracing
+
 VARIABLE = "TISWARM_BACKEND"
 BACKENDS = ("taichi", "quadrants")
 
@@ -61,6 +63,7 @@ def choose() -> None:
         sys.meta_path.insert(0, _Absent(name()))
         return
     if name() == "taichi":
+        tracing.watch()
         return
     os.environ.setdefault("ENABLE_QUADRANTS_HEADER_PRINT", "False")
     # It warns of every call of a kernel's author that it does not read itself: our Bundles and tables of funcs.

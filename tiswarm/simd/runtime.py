@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tiswarm.simd import backend, kernel_cache, tracing
+from tiswarm.simd import backend, kernel_cache
 from tiswarm.simd.threads import available_threads, check_threads
 
 Precision = Literal["f32", "f64"]
@@ -89,7 +89,6 @@ def _begin(wanted: Settings) -> None:
     import taichi as ti
     from taichi.lang import impl
 
-    tracing.lighten()
     _impl = impl
     if backend.program(impl.get_runtime()) is not None and not _running():
         _tell(
