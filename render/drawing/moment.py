@@ -1,7 +1,6 @@
 """Moment: one moment of a trial for papers, as a PDF or SVG of vectors."""
 
 import os
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -66,8 +65,8 @@ def moment(
     backdrop = None if style.transparent else style.colours["backdrop"]
     page = Page(size, UNIT / unit_of(size), manuscript, backdrop, kind)
     try:
-        with tempfile.TemporaryDirectory(prefix="tiswarm-faces-") as folder, replacing(target) as part:
-            page.draw(stage.shapes(time), stage.windows, np.array(style.colours["world"]), Path(folder))
+        with replacing(target) as part:
+            page.draw(stage.shapes(time), stage.windows, np.array(style.colours["world"]))
             page.save(part, notes(stage))
     except OSError as error:
         raise FilmError(f"{target}: cannot be written: {reason(error)}") from None

@@ -50,15 +50,15 @@ class Page:
         self._axes.set_axis_off()
         self._above = 0
 
-    def draw(self, rows: np.ndarray, windows: np.ndarray, ground: np.ndarray, folder: Path) -> None:
-        """Draw shapes. windows: as for a canvas. ground: what lies under most of them, linear light. folder: takes faces."""
+    def draw(self, rows: np.ndarray, windows: np.ndarray, ground: np.ndarray) -> None:
+        """Draw shapes. windows: as for a canvas. ground: what lies under most of them, linear light."""
         kinds = np.where(rows[:, KIND] == SPRITE, 1, np.where(rows[:, KIND] == CLOUD, 2, 0))
         runs = np.flatnonzero(np.diff(kinds, prepend=-1) | np.diff(rows[:, WINDOW], prepend=-1).astype(int))
         for start, end in zip(runs, np.append(runs[1:], len(rows)), strict=True):
             some, window = rows[start:end], windows[int(rows[start, WINDOW])]
             if kinds[start] == 1:
                 for row in some:
-                    self._write(self._manuscript.lines[int(row[PLACE + 2])], row, folder)
+                    self._write(self._manuscript.lines[int(row[PLACE + 2])], row)
             elif kinds[start] == 2:
                 for row in some:
                     self._cloud(row, window)
@@ -81,7 +81,7 @@ class Page:
             self._figure.savefig(written, format=self._kind, metadata=notes, facecolor=self._figure.get_facecolor())
         whole = written.getvalue()
         if self._kind == "svg":
-            font = base64.b64encode(_aileron())
+            font = base64.b64encode(_face(0).read_bytes())
             face = b"<style>@font-face{font-family:'Aileron';src:url(data:font/ttf;base64," + font + b")}</style>\n <defs>"
             whole = whole.replace(b"<defs>", face, 1)
         part.write_bytes(whole)
@@ -118,7 +118,7 @@ class Page:
                 look = {"facecolors": "none", "edgecolors": paints, "linewidths": widths, "capstyle": "round"}
             self._add(PathCollection(curves, transform=IdentityTransform(), joinstyle="round", **look), window)
 
-    def _write(self, line: Line, row: np.ndarray, folder: Path) -> None:
+    def _write(self, line: Line, row: np.ndarray) -> None:
         from matplotlib.font_manager import FontProperties
         from matplotlib.text import Text
 
@@ -129,7 +129,7 @@ class Page:
             pieces, align = _pieces(line), "left"
             x -= {"left": 0.0, "centre": 0.5, "right": 1.0}[line.align] * _extent(line) * self._scale
         for face, words, along in pieces:
-            font = FontProperties(family=FAMILY, size=line.size * self._scale, fname=_face(face, folder))
+            font = FontProperties(family=FAMILY, size=line.size * self._scale, fname=_face(face))
             text = Text(
                 x + along * self._scale, y, words, color=paint, fontproperties=font, ha=align, va="baseline", parse_math=False
             )
@@ -195,16 +195,6 @@ def _extent(line: Line) -> float:
     return faces.advance(faces.seen(line.words), line.size)
 
 
-def _face(face: int, folder: Path) -> Path:
-    """Give the file of a face; Pillow's own has none until it is written."""
-    if faces.FILES[face]:
-        return faces.FOLDER / faces.FILES[face]
-    file = folder / "Aileron.ttf"
-    if not file.exists():
-        file.write_bytes(_aileron())
-    return file
-
-
-def _aileron() -> bytes:
-    """Give the face that Pillow carries within itself."""
-    return faces.font(0, 20).path.getvalue()
+def _face(face: int) -> Path:
+    """Give the file of a face: Aileron's own for what Pillow carries of it within itself."""
+    return faces.FOLDER / (faces.FILES[face] or "Aileron.ttf")
