@@ -35,11 +35,9 @@ class Strategy(Avoidance):
 
         An obstacle right behind blocks too, as its tangent is small as well: the simulator's quirk, kept.
         """
-        x = 0.0 - away[0]
-        y = 0.0 - away[1]
-        distance2 = x * x + y * y
-        across = course[0] * y - course[1] * x
-        along = course[0] * x + course[1] * y
+        distance2 = away[0] * away[0] + away[1] * away[1]
+        across = course[0] * away[1] - course[1] * away[0]  # its sign, and that of the next, do not matter
+        along = course[0] * away[0] + course[1] * away[1]
         size = me.radius + obstacle.radius
         lookahead = larger(obstacle.radius + weights.lookahead, 0.0)
         ahead = across * across * distance2 <= size * size * along * along
