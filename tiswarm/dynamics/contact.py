@@ -117,7 +117,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
             for p in ti.static(fields):
                 weights = see.weights_of(p, numbers, b)
                 reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
-                inside = distance2 <= reach * reach
+                # Who crashed lies where the field is: the dead would keep all lanes in here.
+                inside = (distance2 <= reach * reach) & (me.alive > 0.5)
                 if anywhere(inside):
                     seen = see.obstacle_seen(me, obstacle, away)
                     goal = see.image(me, target, numbers, b)
