@@ -1,4 +1,4 @@
-"""The command line as a user meets it: in a process of its own, with exit codes and single lines of complaint."""
+"""The command line as a user meets it: exit codes, single lines of complaint, and a process of its own where that matters."""
 
 import json
 import os
@@ -28,8 +28,8 @@ VERBS = ("presets", "show", "demo", "film", "run", "bench", "speed")
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_each_verb_has_help(verb):
-    done = _run(verb, "--help")
+def test_each_verb_has_help(verb, tmp_path, command):
+    done = command(verb, "--help", cwd=tmp_path)
     assert done.returncode == 0
     assert "--help" in done.stdout
     for option in ("--seed", "--threads", "--precision", "--quiet"):
@@ -42,21 +42,21 @@ def test_without_a_verb_it_shows_help():
     assert all(verb in done.stdout for verb in VERBS)
 
 
-def test_presets_lists_presets_studies_and_strategies():
-    listed = _run("presets").stdout
+def test_presets_lists_presets_studies_and_strategies(tmp_path, command):
+    listed = command("presets", cwd=tmp_path).stdout
     for name in ("delft/pronav-10", "demo/chase", "split-evasive", "kitchen-sink", "pronav", "Studies"):
         assert name in listed
 
 
-def test_show_prints_a_preset_that_loads_again(tmp_path):
-    done = _run("show", "delft/pronav-10", "--set", "prey.strategy=evasive", "--set", "prey.count=5")
+def test_show_prints_a_preset_that_loads_again(tmp_path, command):
+    done = command("show", "delft/pronav-10", "--set", "prey.strategy=evasive", "--set", "prey.count=5", cwd=tmp_path)
     (tmp_path / "own.toml").write_text(done.stdout)
     scenario = tiswarm.load(str(tmp_path / "own.toml"))
     assert (scenario.prey.strategy, scenario.prey.count, scenario.prey.weights["evade"]) == ("evasive", 5, 0.01)
 
 
-def test_show_prints_the_schema():
-    assert "prey" in json.loads(_run("show", "--schema").stdout)["properties"]
+def test_show_prints_the_schema(tmp_path, command):
+    assert "prey" in json.loads(command("show", "--schema", cwd=tmp_path).stdout)["properties"]
 
 
 def test_run_gives_the_summary_as_json_and_saves_it(tmp_path):
@@ -67,9 +67,11 @@ def test_run_gives_the_summary_as_json_and_saves_it(tmp_path):
     assert {file.name for file in (tmp_path / "r").iterdir()} == {"trials.csv", "summary.json", "manifest.json"}
 
 
-def test_the_command_line_gives_the_bits_that_the_library_gives_at_any_number_of_threads():
-    outputs = {_run("run", "delft/pronav-10", "--trials", 40, "--json", "--threads", n).stdout for n in (1, 2)}
-    assert len(outputs) == 1
+def test_the_command_line_gives_the_bits_that_the_library_gives_at_any_number_of_threads(tmp_path, command):
+    asked = ("run", "delft/pronav-10", "--trials", 40, "--json", "--threads")
+    one, two = (command(*asked, n, cwd=tmp_path) for n in (1, 2))
+    assert (one.returncode, two.returncode) == (0, 0)
+    assert one.stdout == two.stdout
 
 
 def test_bench_writes_rows_a_manifest_and_charts(tmp_path):
@@ -141,18 +143,18 @@ def test_wrong_input_gets_one_line_and_exit_code_2(arguments, said, tmp_path, co
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_broken_recording_gets_one_line(tmp_path):
+def test_a_broken_recording_gets_one_line(tmp_path, command):
     (tmp_path / "x.npz").write_bytes(b"not one")
-    done = _run("film", "x.npz", cwd=tmp_path)
+    done = command("film", "x.npz", cwd=tmp_path)
     assert done.returncode == 2
     assert "not a recording" in done.stderr
     assert [file.name for file in tmp_path.iterdir()] == ["x.npz"]
 
 
-def test_an_unwritable_place_gets_one_line(tmp_path):
+def test_an_unwritable_place_gets_one_line(tmp_path, command):
     (tmp_path / "out").write_text("a file where a folder must be")
     for verb in (("run", "delft/avoidance-10", "--trials", 5, "-o", "out"), ("bench", "delft", "--trials", 2), ("demo",)):
-        done = _run(*verb, cwd=tmp_path)
+        done = command(*verb, cwd=tmp_path)
         assert done.returncode == 1, verb
         assert "out" in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1

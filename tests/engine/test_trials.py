@@ -23,9 +23,10 @@ def _same(a, b, count=None):
 @pytest.mark.parametrize("strategy", registry.names("prey"))
 def test_a_trial_alone_is_the_trial_in_the_batch(strategy):
     scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": strategy})
-    batch_of_many = tiswarm.simulate(scenario, 100, seed=3)
+    seed = (1 << 64) - 3  # both of whose words have their highest bit set
+    batch_of_many = tiswarm.simulate(scenario, 100, seed=seed)
     for trial in (0, 37, 99):
-        path = tiswarm.record(scenario, trial, seed=3)
+        path = tiswarm.record(scenario, trial, seed=seed)
         assert path.ticks == batch_of_many.ticks[trial]
         assert (path.prey.fate == "arrived").sum() == batch_of_many.arrived[trial]
         assert (path.prey.fate == "captured").sum() == batch_of_many.captured[trial]

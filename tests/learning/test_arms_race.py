@@ -36,14 +36,27 @@ policies = [
 """
 
 
-@pytest.fixture
-def rules(tmp_path):
-    (tmp_path / "r.toml").write_text(RULES)
-    return rules_of(str(tmp_path / "r.toml"))
+@pytest.fixture(scope="module")
+def rules(tmp_path_factory):
+    file = tmp_path_factory.mktemp("rules") / "r.toml"
+    file.write_text(RULES)
+    return rules_of(str(file))
 
 
-def test_predators_that_do_not_hunt_learn_to(rules, tmp_path, f32):
-    rounds = Race(rules, tmp_path / "out").run()
+def run_whole(rules, tmp_path_factory):
+    """Run a race that tests may look at and not change: its folder and rounds."""
+    tiswarm.init("f32")
+    folder = tmp_path_factory.mktemp("race") / "whole"
+    return folder, Race(rules, folder).run()
+
+
+@pytest.fixture(scope="module")
+def whole(rules, tmp_path_factory):
+    return run_whole(rules, tmp_path_factory)
+
+
+def test_predators_that_do_not_hunt_learn_to(whole):
+    _, rounds = whole
     first = rounds[0]
     hunting = next(each for each in first.answers if each.side == "predators")
     assert hunting.accepted
@@ -53,8 +66,8 @@ def test_predators_that_do_not_hunt_learn_to(rules, tmp_path, f32):
     assert first.exploitability > 0
 
 
-def test_the_matrix_is_what_trials_give_and_gains_are_told_on_it(rules, tmp_path, f32):
-    rounds = Race(rules, tmp_path / "out").run()
+def test_the_matrix_is_what_trials_give_and_gains_are_told_on_it(rules, whole, f32):
+    _, rounds = whole
     base = tiswarm.load(rules.base)
     last = rounds[-1]
     for i, prey in enumerate(last.prey):
@@ -79,12 +92,11 @@ def cut_short(rules, folder):
         Race(rules, folder).run(finished=stop)
 
 
-def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, tmp_path, f32):
-    Race(rules, tmp_path / "whole").run()
+def test_a_race_that_was_cut_short_goes_on_to_the_same_end(rules, whole, tmp_path, f32):
     cut = tmp_path / "cut"
     cut_short(rules, cut)
     Race(rules, cut).run()
-    assert (cut / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
+    assert (cut / "race.json").read_bytes() == (whole[0] / "race.json").read_bytes()
     with pytest.raises(ValueError, match="holds another race: seed 0, not 3"):
         Race(rules, cut, seed=3).run()
 
@@ -97,26 +109,32 @@ search_trials = 20
 """
 
 
-@pytest.fixture
-def led(tmp_path):
+@pytest.fixture(scope="module")
+def led(tmp_path_factory):
     """Rules by which predators find no better numbers, so that a network is trained."""
     text = RULES.replace('"predators.goal" = 0.001', '"predators.goal" = 0.1').replace(
         '[0.0001, 1.0, "log"]', "[0.0001, 0.0002]"
     )
-    (tmp_path / "led.toml").write_text(text + LED)
-    return rules_of(str(tmp_path / "led.toml"))
+    file = tmp_path_factory.mktemp("rules") / "led.toml"
+    file.write_text(text + LED)
+    return rules_of(str(file))
 
 
-def test_where_numbers_gain_nothing_a_network_is_trained(led, tmp_path, f32):
-    rounds = Race(led, tmp_path / "whole").run()
+@pytest.fixture(scope="module")
+def whole_led(led, tmp_path_factory):
+    return run_whole(led, tmp_path_factory)
+
+
+def test_where_numbers_gain_nothing_a_network_is_trained(led, whole_led, f32):
+    folder, rounds = whole_led
     numbers, network = (each for each in rounds[0].answers if each.side == "predators")
     assert not numbers.accepted
     assert (network.policy.changes["predators.strategy"], network.start) == ("neural", "neural")
     assert rounds[0].best("predators") is max((numbers, network), key=lambda each: each.gain.mean)
     trained = "round-0/predators-network/network.npz"
     assert network.moved == {"predators.weights.network": ("networks/thesis-gains.npz", trained)}
-    assert (tmp_path / "whole" / trained).is_file()
-    race = Race(led, tmp_path / "whole")
+    assert (folder / trained).is_file()
+    race = Race(led, folder)
     against = [race.scenario(prey, network.policy) for prey in rounds[0].prey]
     assert against[0].network("predators").digest != tiswarm.load("delft/neural").network("prey").digest
     won = rounds[0].solution.rows @ [tiswarm.simulate(each, 300, 0).success.mean() for each in against]
@@ -132,12 +150,11 @@ def test_where_numbers_gain_little_a_network_is_trained_too_and_the_better_one_j
     assert rounds[1].predators == (*rounds[0].predators, best.policy)
 
 
-def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, tmp_path, f32):
-    Race(led, tmp_path / "whole").run()
+def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, whole_led, tmp_path, f32):
     cut_short(led, tmp_path / "cut")
     (tmp_path / "cut").rename(tmp_path / "moved")
     Race(led, tmp_path / "moved").run()
-    assert (tmp_path / "moved" / "race.json").read_bytes() == (tmp_path / "whole" / "race.json").read_bytes()
+    assert (tmp_path / "moved" / "race.json").read_bytes() == (whole_led[0] / "race.json").read_bytes()
 
 
 def test_the_command_prints_rounds_and_writes_them(tmp_path):

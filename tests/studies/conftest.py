@@ -1,8 +1,5 @@
 """Fixtures: a small study, and the command line that runs it."""
 
-import subprocess
-import sys
-
 import pytest
 
 STUDY = """
@@ -32,17 +29,10 @@ def study(tmp_path):
 
 
 @pytest.fixture
-def bench():
-    """Run `tiswarm bench` in a process of its own."""
+def bench(command):
+    """Run `tiswarm bench`, within this process."""
 
-    def run(*arguments, cwd=None):
-        return subprocess.run(
-            [sys.executable, "-m", "tiswarm", "bench", *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            cwd=cwd,
-            timeout=120,
-            check=False,
-        )
+    def run(*arguments, cwd):
+        return command("bench", *arguments, cwd=cwd)
 
     return run

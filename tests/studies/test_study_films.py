@@ -1,8 +1,5 @@
 """Films of a study's trials: what is filmed is the trial that was counted."""
 
-import subprocess
-import sys
-
 import numpy as np
 
 from tiswarm.studies.design import MEASURES
@@ -28,15 +25,11 @@ def test_a_film_of_a_counted_trial_shows_the_outcome_that_was_counted(study, tmp
     assert rebuilt.picked(5, "worst") == picks[0]
 
 
-def test_the_command_line_films_it_and_refuses_what_cannot_be(study, tmp_path, bench):
+def test_the_command_line_films_it_and_refuses_what_cannot_be(study, tmp_path, bench, command):
     assert bench(study, "-o", "o", "--quiet", "--figures", "none", cwd=tmp_path).returncode == 0
 
-    def film(*arguments):
-        return subprocess.run(
-            [sys.executable, "-m", "tiswarm", "film", *arguments], capture_output=True, text=True, cwd=tmp_path, check=False
-        )
-
-    done = film("o/manifest.json", "--cell", "3", "--worst", "-o", "x.mp4", "--size", "320x180", "--fps", "10", "--speed", "40")
+    asked = ("o/manifest.json", "--cell", 3, "--worst", "-o", "x.mp4", "--size", "320x180", "--fps", 10, "--speed", 40)
+    done = command("film", *asked, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "cell 3 (0.1/6), trial" in done.stdout
     assert (tmp_path / "x.mp4").stat().st_size > 1000
@@ -49,6 +42,6 @@ def test_the_command_line_films_it_and_refuses_what_cannot_be(study, tmp_path, b
         (("delft/pronav-10", "--cell", "1"), "no manifest"),
         (("p/manifest.json", "--cell", "1"), "no such file"),
     ):
-        done = film(*arguments)
+        done = command("film", *arguments, cwd=tmp_path)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
         assert said in done.stderr

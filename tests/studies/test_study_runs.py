@@ -125,7 +125,7 @@ def test_killed_at_twenty_random_moments_it_ends_with_the_same_bytes(study, tmp_
         else:  # once some more cells are there
             wanted = before + rng.randrange(1, 9)
             while process.poll() is None and _kept(folder) < min(wanted, 120):
-                time.sleep(0.0005)
+                time.sleep(0.002)
             time.sleep(rng.choice((0.0, 0.0, 0.001, 0.005)))
         process.send_signal(signal.SIGKILL)  # exactly the one that was started, if it still runs
         _, complaint = process.communicate(timeout=30)

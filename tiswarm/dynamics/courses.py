@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics.perception import NeighbourSearch
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import motion
+from tiswarm.simd.lanes import APART, motion
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import flock
 
@@ -72,15 +72,16 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     def turned(course: ti.template(), here: ti.template(), kind: ti.template(), me: ti.template(), numbers: ti.template(), b):
         """Rotate the course once if any obstacle blocks it."""
         for p in ti.static(layout.parts(kind, "avoidance", "blocks")):
-            weights = see.weights_of(p, numbers, b)
-            blocked = senses.blocked(p, here, me, course, weights)
-            cosine, sine = p.strategy.turn(weights)
-            rotated = (blocked > 0.5) & (weights.on > 0.5)
-            cosine = ti.select(rotated, cosine, 1.0)
-            sine = ti.select(rotated, sine, 0.0)
-            x, y = course[0], course[1]
-            course[0] = cosine * x - sine * y
-            course[1] = sine * x + cosine * y
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                blocked = senses.blocked(p, here, me, course, weights)
+                cosine, sine = p.strategy.turn(weights)
+                rotated = (blocked > 0.5) & (weights.on > 0.5)
+                cosine = ti.select(rotated, cosine, 1.0)
+                sine = ti.select(rotated, sine, 0.0)
+                x, y = course[0], course[1]
+                course[0] = cosine * x - sine * y
+                course[1] = sine * x + cosine * y
 
     @ti.func
     def deflected(
@@ -95,12 +96,13 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: NeighbourSea
     ):
         """Let avoidances change the course after the cap."""
         for p in ti.static(layout.parts(kind, "avoidance", "deflect")):
-            weights = see.weights_of(p, numbers, b)
-            notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-            senses.look(p, notes, here, me, course, weights)
-            other = p.strategy.deflect(me, course, notes, see.image(me, target, numbers, b), dice, weights)
-            for k in ti.static(range(dim)):
-                course[k] = ti.select(weights.on > 0.5, other[k], course[k])
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
+                senses.look(p, notes, here, me, course, weights)
+                other = p.strategy.deflect(me, course, notes, see.image(me, target, numbers, b), dice, weights)
+                for k in ti.static(range(dim)):
+                    course[k] = ti.select(weights.on > 0.5, other[k], course[k])
 
     @ti.func
     def dice_of(draw: ti.template(), purpose: ti.template()):

@@ -13,7 +13,7 @@ from tiswarm.dynamics import sight_terms, vision
 from tiswarm.dynamics.sight_terms import SightTerms
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import dot, larger, motion, place, row_of, scaled, smaller
+from tiswarm.simd.lanes import APART, dot, larger, motion, place, row_of, scaled, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import see_mate
@@ -89,6 +89,37 @@ def _heeding(layout: ParameterTable, types: Types, see: Views, terms: SightTerms
     observing = bool(layout.parts("prey", "strategy", "observe"))
 
     @ti.func
+    def observe(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), near2, weights: ti.template()):
+        """Let a strategy collect what it needs of single mates."""
+        b = here.b
+        counts = here.counts
+        numbers = ti.static(here.numbers)
+        first = see.image(me, prey_mate(here.prey, b * counts[0] * prey_rows, 0), numbers, b)
+        last = (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows
+        second = see.image(me, prey_mate(here.prey, last, 1), numbers, b)
+        for j in range(counts[0]):
+            mate = prey_mate(here.prey, row_of(b * counts[0] + j, prey_rows), j)
+            if j != here.i:
+                away = see.sight(me, mate, numbers, b)
+                seen = see.image(me, mate, numbers, b)
+                if ti.static(prey_sight.narrow or prey_sight.choosy):
+                    seen.alive = seen.alive * prey_sight.heeded(numbers, b, me, away, near2, p.strategy.feels)
+                p.strategy.observe(notes, me, seen, away, first, second, weights)
+
+    @ti.func
+    def beware(p: ti.template(), notes: ti.template(), here: ti.template(), me: ti.template(), weights: ti.template()):
+        """Let a strategy collect what it needs of single predators."""
+        b = here.b
+        counts = here.counts
+        numbers = ti.static(here.numbers)
+        for j in range(counts[1]):
+            hunter = predator_mate(here.predators, row_of(b * counts[1] + j, predator_rows), j)
+            away = see.sight(me, hunter, numbers, b)
+            if ti.static(prey_sight.narrow):
+                hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
+            p.strategy.beware(notes, me, see.image(me, hunter, numbers, b), away, weights)
+
+    @ti.func
     def heed(notes: ti.template(), threat: ti.template(), here: ti.template(), me: ti.template()):
         """Let a prey see the predators in sight, and its strategies collect what they need beyond flocking.
 
@@ -108,26 +139,12 @@ def _heeding(layout: ParameterTable, types: Types, see: Views, terms: SightTerms
                     hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
                 terms.see_hunter(threat, hunter, away, me.perception * me.perception)
         for k, p in ti.static(enumerate(layout.parts("prey", "strategy"))):
-            weights = see.weights_of(p, numbers, b)
-            if ti.static("observe" in p.own):
-                first = see.image(me, prey_mate(here.prey, b * counts[0] * prey_rows, 0), numbers, b)
-                last = (b * counts[0] + ti.min(1, counts[0] - 1)) * prey_rows
-                second = see.image(me, prey_mate(here.prey, last, 1), numbers, b)
-                for j in range(counts[0]):
-                    mate = prey_mate(here.prey, row_of(b * counts[0] + j, prey_rows), j)
-                    if j != here.i:
-                        away = see.sight(me, mate, numbers, b)
-                        seen = see.image(me, mate, numbers, b)
-                        if ti.static(prey_sight.narrow or prey_sight.choosy):
-                            seen.alive = seen.alive * prey_sight.heeded(numbers, b, me, away, near2, p.strategy.feels)
-                        p.strategy.observe(notes[k], me, seen, away, first, second, weights)
-            if ti.static(hunted and "beware" in p.own):
-                for j in range(counts[1]):
-                    hunter = predator_mate(here.predators, row_of(b * counts[1] + j, predator_rows), j)
-                    away = see.sight(me, hunter, numbers, b)
-                    if ti.static(prey_sight.narrow):
-                        hunter.alive = hunter.alive * prey_sight.in_view(numbers, b, me, away)
-                    p.strategy.beware(notes[k], me, see.image(me, hunter, numbers, b), away, weights)
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                if ti.static("observe" in p.own):
+                    observe(p, notes[k], here, me, near2, weights)
+                if ti.static(hunted and "beware" in p.own):
+                    beware(p, notes[k], here, me, weights)
 
     return heed
 

@@ -14,7 +14,7 @@ from tiswarm.dynamics.planning import Planning
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.simd import philox
-from tiswarm.simd.lanes import minus, motion
+from tiswarm.simd.lanes import APART, minus, motion
 from tiswarm.simd.runtime import Func, Types
 
 
@@ -86,26 +86,27 @@ def _steered(tools: _Tools, strategies: list[Any], led: bool) -> Func:
         if ti.static(not led):  # networks have heeded already
             senses.heed(notes, threat, here, me)
         for j, p in ti.static(enumerate(strategies)):
-            weights = see.weights_of(p, numbers, b)
-            if ti.static("roam" in p.own):
-                push = minus(course, motion(me))
-                dice = dice_of(draw, philox.STRATEGY)
-                other = p.strategy.roam(me, push, notes[j], dice, numbers[b * width + at.dt], weights)
-                for k in ti.static(range(dim)):
-                    course[k] = ti.select(weights.on > 0.5, other[k], course[k])
-            elif ti.static("integrate" in p.own):
-                push = minus(course, motion(me))
-                dt = numbers[b * width + at.dt]
-                other = p.strategy.integrate(me, push, swarm, notes[j], kept.of(p, prey, a), dt, weights)
-                for k in ti.static(range(dim)):
-                    course[k] = ti.select(weights.on > 0.5, other[k], course[k])
-            elif ti.static("steer" in p.own):
-                steer = p.strategy.steer(me, threat, swarm, notes[j], kept.of(p, prey, a), weights)
-                for k in ti.static(range(dim)):
-                    course[k] += timed(weights.on * steer[k], numbers, b)
-            if ti.static("keep" in p.own):
-                kept.keep(p, prey, a, course, notes[j], weights)
-            note(prey, a, "prey", p.part.name, course)
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                if ti.static("roam" in p.own):
+                    push = minus(course, motion(me))
+                    dice = dice_of(draw, philox.STRATEGY)
+                    other = p.strategy.roam(me, push, notes[j], dice, numbers[b * width + at.dt], weights)
+                    for k in ti.static(range(dim)):
+                        course[k] = ti.select(weights.on > 0.5, other[k], course[k])
+                elif ti.static("integrate" in p.own):
+                    push = minus(course, motion(me))
+                    dt = numbers[b * width + at.dt]
+                    other = p.strategy.integrate(me, push, swarm, notes[j], kept.of(p, prey, a), dt, weights)
+                    for k in ti.static(range(dim)):
+                        course[k] = ti.select(weights.on > 0.5, other[k], course[k])
+                elif ti.static("steer" in p.own):
+                    steer = p.strategy.steer(me, threat, swarm, notes[j], kept.of(p, prey, a), weights)
+                    for k in ti.static(range(dim)):
+                        course[k] += timed(weights.on * steer[k], numbers, b)
+                if ti.static("keep" in p.own):
+                    kept.keep(p, prey, a, course, notes[j], weights)
+                note(prey, a, "prey", p.part.name, course)
 
     return steered
 
@@ -149,8 +150,9 @@ def _prey(tools: _Tools) -> Func:
         if ti.static(frame.targeted):
             way = goals.way(here, prey, a, me, target, numbers, b)
             for p in ti.static(urging):
-                weights = see.weights_of(p, numbers, b)
-                orders[0] = orders[0] * ti.select(weights.on > 0.5, p.strategy.urge(me, weights), 1.0)
+                if APART:
+                    weights = see.weights_of(p, numbers, b)
+                    orders[0] = orders[0] * ti.select(weights.on > 0.5, p.strategy.urge(me, weights), 1.0)
             for k in ti.static(range(dim)):
                 course[k] += timed(orders[0] * way[k], numbers, b)
         note(prey, a, "prey", "goal", course)
@@ -172,10 +174,11 @@ def _prey(tools: _Tools) -> Func:
             deflected(course, here, "prey", me, numbers, b, target, dice_of(draw, philox.DEFLECTION))
         note(prey, a, "prey", "deflection", course)
         for p in ti.static(kicking):
-            weights = see.weights_of(p, numbers, b)
-            kick = p.strategy.kick(threat, dice_of(draw, philox.STRATEGY), kept.of(p, prey, a), weights)
-            for k in ti.static(range(dim)):
-                course[k] += weights.on * kick[k]
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                kick = p.strategy.kick(threat, dice_of(draw, philox.STRATEGY), kept.of(p, prey, a), weights)
+                for k in ti.static(range(dim)):
+                    course[k] += weights.on * kick[k]
         note(prey, a, "prey", "kick", course)
         prey[a + rows.seen] = threat.n
         steps.prey.advance(prey, a, course, me, numbers, b)
@@ -228,19 +231,20 @@ def _predators(tools: _Tools) -> Func:
         steps.wall_turn(course, me, numbers, b)
         note(predators, a, "predators", "walls", course)
         for p in ti.static(pursuits):
-            weights = see.weights_of(p, numbers, b)
-            notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
-            if ti.static("observe" in p.own and p.part not in consults):
-                senses.chase(p, notes, here, me, chased, weights)
-            way = p.strategy.pursue(me, chased, aim, notes, weights)
-            goal = orders[0]
-            if ti.static(p.strategy.rules):
-                for k in ti.static(range(dim)):
-                    course[k] = ti.select(weights.on > 0.5, goal * way[k], course[k])
-            else:
-                goal = weights.on * goal
-                for k in ti.static(range(dim)):
-                    course[k] += timed(goal * way[k], numbers, b)
+            if APART:
+                weights = see.weights_of(p, numbers, b)
+                notes = p.Notes(*[lanes(0.0) for _ in ti.static(p.note_names)])
+                if ti.static("observe" in p.own and p.part not in consults):
+                    senses.chase(p, notes, here, me, chased, weights)
+                way = p.strategy.pursue(me, chased, aim, notes, weights)
+                goal = orders[0]
+                if ti.static(p.strategy.rules):
+                    for k in ti.static(range(dim)):
+                        course[k] = ti.select(weights.on > 0.5, goal * way[k], course[k])
+                else:
+                    goal = weights.on * goal
+                    for k in ti.static(range(dim)):
+                        course[k] += timed(goal * way[k], numbers, b)
         note(predators, a, "predators", "pursuit", course)
         turned(course, here, "predators", me, numbers, b)
         note(predators, a, "predators", "turn", course)

@@ -13,6 +13,10 @@ from tiswarm.simd.runtime import LANES
 TINY = 1e-12
 """Keeps quotients finite where two points coincide; far below any squared distance that matters [m²]."""
 
+APART = True
+"""`if APART:` gives statements a block of their own, which is folded away again. Taichi looks for each statement that it lowers
+in all of its block, so that the time for a block of many strategies, one after the other, grows with their square."""
+
 
 class Bundle(SimpleNamespace):
     """Values and arrays that funcs hand on together: made inside kernels, read there by name, never assigned to."""

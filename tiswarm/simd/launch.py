@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from taichi import u32
 from taichi.lang import impl
 
 from tiswarm.simd import backend, runtime
@@ -51,6 +52,8 @@ def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[...
         if isinstance(value, np.ndarray):
             shape = value.shape[: value.ndim - getattr(about.annotation.dtype, "ndim", 0)]  # of vectors, not of numbers
             call.set_arg_external_array_with_shape((at,), value.ctypes.data, value.nbytes, shape, 0)
+        elif about.annotation == u32:
+            call.set_arg_uint((at,), value)
         else:
             call.set_arg_int((at,), value)
     program = impl.get_runtime().prog

@@ -2,17 +2,22 @@
 
 Taichi 1.7.4 walks the syntax tree of a kernel, and of every func at each of its calls, in Python; also when the compiled
 kernel lies in the cache, since only the walk tells which kernel it is. Half of that time went into a drawing for each node, its
-line with carets below, that is only shown when an error comes; a tenth each into reading the same files again, and into
-laying out the same lines again. And each decorator looked, through all modules that there are, for the line of source at which
-its caller stands, only to find out whether that is a class: a twentieth of a whole run of a second.
+line with carets below, that is only shown when an error comes; a tenth each into reading the same files again, into laying
+out the same lines again, and into parsing them. And each decorator looked, through all modules that there are, for the line of
+source at which its caller stands, only to find out whether that is a class: a twentieth of a whole run of a second.
+
+What the walk leaves is compiled in a time that grows with the square of its assignments: each is looked for in all statements
+around it. Taichi makes two of every one, since `a = b = c` is allowed.
 """
 
+import ast
 import functools
 import importlib.abc
 import importlib.util
 import inspect
 import sys
 import textwrap
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 from types import CodeType, ModuleType, SimpleNamespace
@@ -56,7 +61,11 @@ class _Watch(importlib.abc.MetaPathFinder):
 
 
 def _lighten(kernel_impl: Any) -> None:
-    """Let Taichi name a place by file, line and func, read each func's source once, and see a class without its source."""
+    """Let Taichi name a place by file, line and func, read and parse each func's source once, and copy a value once.
+
+    And let it see a class without its source. Twice does nothing more.
+    """
+    from taichi.lang.ast.ast_transformer import ASTTransformer
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
     if ASTTransformerContext.get_pos_info is _spot:
@@ -67,13 +76,23 @@ def _lighten(kernel_impl: Any) -> None:
         if hasattr(kernel_impl, name):
             setattr(kernel_impl, name, _once(getattr(kernel_impl, name)))
     if getattr(kernel_impl, "textwrap", None) is textwrap:
-        kernel_impl.textwrap = SimpleNamespace(fill=functools.cache(textwrap.fill), dedent=textwrap.dedent)
+        kernel_impl.textwrap = SimpleNamespace(fill=functools.cache(textwrap.fill), dedent=functools.cache(textwrap.dedent))
+    if getattr(kernel_impl, "ast", None) is ast and hasattr(kernel_impl, "transform_tree"):
+        trees = Trees()
+        kernel_impl.ast = SimpleNamespace(parse=trees.take)
+        kernel_impl.transform_tree = trees.returned_by(kernel_impl.transform_tree)
+    ASTTransformer.build_Assign = staticmethod(_assigning(ASTTransformer.build_Assign))
 
 
 def _spot(context: Any, node: Any) -> str:
     """Name the place of a node in the source, with its first line."""
-    line = context.src[node.lineno - 1].strip()
-    return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n{line}\n'
+    spots = context.__dict__.setdefault("_spots", {})
+    spot = spots.get(node.lineno)
+    if spot is None:
+        line = context.src[node.lineno - 1].strip()
+        where = f'File "{context.file}", line {node.lineno + context.lineno_offset}'
+        spot = spots[node.lineno] = f"{where}, in {context.func.func.__name__}:\n{line}\n"
+    return spot
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:
@@ -95,3 +114,67 @@ def _once(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
         return known[key]
 
     return reading
+
+
+class Trees:
+    """Syntax trees of sources, lent to one walk at a time: what it notes on the nodes is wiped off after it."""
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        self._free: dict[str, list[ast.Module]] = defaultdict(list)
+        self._clean: dict[ast.Module, tuple[str, list[tuple[dict, dict]]]] = {}
+
+    def take(self, source: str) -> ast.Module:
+        """Give a tree of a source that nobody walks through."""
+        if self._free[source]:
+            return self._free[source].pop()
+        tree = ast.parse(source)
+        self._clean[tree] = source, [(vars(node), dict(vars(node))) for node in ast.walk(tree)]
+        return tree
+
+    def put(self, tree: ast.Module) -> None:
+        """Take a tree back, as it was."""
+        if tree not in self._clean:  # parsed before there were any
+            return
+        source, nodes = self._clean[tree]
+        for noted, clean in nodes:
+            noted.clear()
+            noted.update(clean)
+        self._free[source].append(tree)
+
+    def returned_by(self, walk: Callable[[ast.Module, Any], Any]) -> Callable[[ast.Module, Any], Any]:
+        """Take the tree of a walk back when it ends."""
+
+        @functools.wraps(walk)
+        def walking(tree: ast.Module, context: Any) -> Any:
+            try:
+                return walk(tree, context)
+            finally:
+                self.put(tree)
+
+        return walking
+
+
+def _assigning(original: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
+    """Copy what is assigned once, where one name, or a place that no call has to find, is assigned to."""
+    from taichi.lang import impl
+    from taichi.lang.ast.ast_transformer import ASTTransformer, build_stmt
+
+    def assign(context: Any, node: ast.Assign) -> None:
+        target = node.targets[0]
+        if len(node.targets) > 1 or not _plain(target):
+            original(context, node)
+            return
+        build_stmt(context, node.value)
+        static = isinstance(node.value, ast.Call) and node.value.func.ptr is impl.static  # type: ignore[attr-defined]
+        ASTTransformer.build_assign_basic(context, target, node.value.ptr, static)  # type: ignore[attr-defined]
+
+    return assign
+
+
+def _plain(target: ast.expr) -> bool:
+    """Tell whether to find a place changes nothing: a value is worked out after it then."""
+    if isinstance(target, ast.Name):
+        return True
+    calls = any(isinstance(each, ast.Call) for each in ast.walk(target))
+    return isinstance(target, ast.Subscript | ast.Attribute) and not calls

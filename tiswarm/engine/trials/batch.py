@@ -94,8 +94,22 @@ class Blocks:
         moves: int,
     ) -> None:
         """Launch the kernel: every block works the queue off, or makes `moves` moves and pauses."""
-        launch.run(
-            self.kernel,
+        arguments = self._arguments(table, jobs, queue, results, measured, seed)
+        launch.run(self.kernel, *arguments, moves, precision=self.precision)
+
+    def prepared(
+        self, table: np.ndarray, jobs: np.ndarray, queue: np.ndarray, results: np.ndarray, measured: np.ndarray, seed: int
+    ) -> Callable[[int], None]:
+        """Give what launches the kernel on these arrays again and again, which stay where they are, for so many moves each."""
+        return launch.prepared(
+            self.kernel, *self._arguments(table, jobs, queue, results, measured, seed), 0, precision=self.precision
+        )
+
+    def _arguments(
+        self, table: np.ndarray, jobs: np.ndarray, queue: np.ndarray, results: np.ndarray, measured: np.ndarray, seed: int
+    ) -> tuple[np.ndarray | int, ...]:
+        """List all arguments of the kernel but the last."""
+        return (
             self.prey,
             self.predators,
             self.obstacles,
@@ -114,8 +128,6 @@ class Blocks:
             *self.counts,
             *philox.seed_words(seed),
             self.blocks,
-            moves,
-            precision=self.precision,
         )
 
 

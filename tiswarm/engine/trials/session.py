@@ -1,5 +1,6 @@
 """Session: many trials side by side, tick by tick, whose agents obey what they are told before each move."""
 
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
@@ -36,7 +37,7 @@ class Session:
         self.blocks = Blocks([self.scenario], -(-places // LANES), commanded=tuple(sorted(commanded.items())))
         self._table = self.blocks.layout.table([self.scenario]).astype(self.blocks.dtype)
         self._results, self._measured = self.blocks.outcomes(places)
-        self._seed = 0
+        self._seed, self._move = 0, self._moving(0)
         self.slots = np.full(places, -1, np.int32)
         self.trial = np.full(places, -1, np.int64)
 
@@ -50,21 +51,24 @@ class Session:
             clock[ON], clock[DONE] = 0.0, 0.0
         else:
             clock[DONE][self._lanes(where)] = 1.0  # the kernel gives lanes of ended trials away
-        self._seed = seed
+        if seed != self._seed:
+            self._seed, self._move = seed, self._moving(seed)
         free = (clock[ON] < 0.5) | (clock[DONE] > 0.5)
-        self._launch(np.stack([np.zeros(len(where), np.int32), trial.astype(np.int32)], axis=1), 0)
+        jobs = np.stack([np.zeros(len(where), np.int32), trial.astype(np.int32)], axis=1)
+        queue = np.array([0, len(jobs)], np.int32)
+        self.blocks.advance(self._table, jobs, queue, self._results, self._measured, seed, 0)
         taken = np.flatnonzero((free & (clock[ON] > 0.5)).ravel())
         place = where[self.blocks.integer[:, JOB].ravel()[taken]]  # which lane takes which trial depends on the threads
         self.slots[place], self.trial[where] = taken, trial
 
     def step(self) -> None:
         """Make one move in every trial that runs."""
-        self._launch(np.zeros((0, 2), np.int32), 1)
+        self._move(1)
 
-    def _launch(self, jobs: np.ndarray, moves: int) -> None:
-        queue = np.array([0, len(jobs)], np.int32)
-        jobs = jobs if len(jobs) else np.zeros((1, 2), np.int32)
-        self.blocks.advance(self._table, jobs, queue, self._results, self._measured, self._seed, moves)
+    def _moving(self, seed: int) -> Callable[[int], None]:
+        """Give what moves trials of a seed on; none begins meanwhile."""
+        jobs, queue = np.zeros((1, 2), np.int32), np.zeros(2, np.int32)
+        return self.blocks.prepared(self._table, jobs, queue, self._results, self._measured, seed)
 
     @property
     def _clock(self) -> np.ndarray:

@@ -38,15 +38,14 @@ class Single:
         self._jobs = np.array([[0, trial]], np.int32)
         self._queue = np.array([0, 1], np.int32)
         self._results, self._measured = self._blocks.outcomes(1)
+        arrays = (self._table, self._jobs, self._queue, self._results, self._measured)
+        self._advance = self._blocks.prepared(*arrays, seed)
         self._advance(0)
         if start is not None:
             self._obstacles()[:] = np.vstack([start.obstacle_position.T, start.obstacle_radius])
             self.place("prey", start.prey_position, start.prey_velocity)
             self.place("predators", start.predator_position, start.predator_velocity)
         self.start = self.position("prey")
-
-    def _advance(self, moves: int) -> None:
-        self._blocks.advance(self._table, self._jobs, self._queue, self._results, self._measured, self.seed, moves)
 
     def step(self, ticks: int = 1) -> None:
         """Run so many ticks, fewer when the trial ends before; in one launch, unless a strategy asks programs outside it."""
