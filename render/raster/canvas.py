@@ -8,7 +8,7 @@ from render.raster.glyphs import Atlas
 from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
 from render.raster.painter import PLANES
 from render.raster.shapes import COLUMNS, Colour
-from render.raster.tiles import HEAD
+from render.raster.tiles import HEAD, entries_from
 from tiswarm.simd import launch, runtime
 
 
@@ -27,7 +27,7 @@ class Canvas:
         self.yuv = yuv
         self._atlas = atlas
         self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
-        self._bins = np.zeros(HEAD + 2 * self._tiles, np.int32)
+        self._bins = np.zeros(entries_from(self._tiles) + 2 * self._tiles, np.int32)
         self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
         self._lanes = runtime.aligned((CONSTANTS + CHUNKS * PLANES * AREA, LANES), np.float32)
         self._lanes[0] = np.arange(LANES)
@@ -77,7 +77,7 @@ class Canvas:
         count, rows = len(shapes), shapes if len(shapes) else self._empty  # an empty array is no kernel argument
         edges = np.concatenate([windows, [[*colour, 0]]], dtype=np.float32)
         while True:
-            room = len(self._bins) - HEAD - self._tiles - 1
+            room = len(self._bins) - entries_from(self._tiles)
             self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
             numbers = self._lanes.reshape(-1)
             launch.run(
@@ -96,7 +96,7 @@ class Canvas:
             needed = int(self._bins[HEAD + self._tiles])
             if needed <= room:
                 return
-            self._bins = np.zeros(HEAD + self._tiles + 1 + needed * 3 // 2, np.int32)
+            self._bins = np.zeros(entries_from(self._tiles) + needed * 3 // 2, np.int32)
 
 
 def _bayer(order: int) -> np.ndarray:
