@@ -8,7 +8,7 @@ from render.raster.encode import AREA, LANES, TILE
 from render.raster.framebuffer import EVERYWHERE, Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
-from render.raster.painter import PLANES
+from render.raster.painter import SCRATCH
 from render.raster.shapes import COLUMNS, Colour
 from render.raster.tiles import HEAD, entries_from
 from tiswarm.simd import launch, runtime
@@ -37,7 +37,7 @@ class Canvas:
         self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
         self._bins = np.zeros(entries_from(self._tiles) + 2 * self._tiles, np.int32)
         self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
-        self._lanes = runtime.aligned((CONSTANTS + CHUNKS * PLANES * AREA, LANES), np.float32)
+        self._lanes = runtime.aligned((CONSTANTS + CHUNKS * SCRATCH, LANES), np.float32)
         self._numbers = self._lanes.reshape(-1)
         self._lanes[0] = np.arange(LANES)
         self._lanes[1:CONSTANTS] = _bayer(4).reshape(AREA, LANES)

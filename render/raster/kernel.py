@@ -9,7 +9,7 @@ are painted: all others show the ground already.
 import taichi as ti
 
 from render.raster.encode import ACROSS, AREA, LANES, TILE, encoded, write_rgb, write_yuv
-from render.raster.painter import PLANES, THROUGH, paint_entries
+from render.raster.painter import SCRATCH, THROUGH, paint_entries
 from render.raster.tiles import HEAD, PARTS, count_shapes, entries_from, list_shapes, place_parts, rows, tiles_of
 from tiswarm.simd import runtime
 
@@ -102,7 +102,7 @@ def paint(
             if ti.static(as_yuv):
                 length = length // 2
             chunk = index // _TASK
-            place = CONSTANTS + chunk * PLANES * AREA
+            place = CONSTANTS + chunk * SCRATCH
             some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
             for step in range(some * ((tiles - chunk + CHUNKS - 1) // CHUNKS)):
                 tile = step * CHUNKS + chunk

@@ -33,6 +33,12 @@ THROUGH, MASK = 3, 4
 
 PLANES = 5
 
+SLOTS = PLANES * AREA
+"""Behind the planes are two rows of a cloud's colours and opacities: [row, channel, ACROSS] lanes."""
+
+SCRATCH = SLOTS + 2 * 4 * ACROSS
+"""Lanes of scratch memory that each tile at work needs."""
+
 LOOK = 8
 """After so many shapes a tile is looked over for whether anything shows through yet."""
 
@@ -86,6 +92,7 @@ def _paint_cloud(
     shapes: ti.template(),
     n: ti.i32,
     texels: ti.template(),
+    lanes: ti.template(),
     numbers: ti.template(),
     place: ti.i32,
     left,
@@ -95,27 +102,37 @@ def _paint_cloud(
     x0,
     y0,
 ):
-    """Blend colours between the four nearest texels of each pixel; `place` as in `_paint_sprite`."""
+    """Blend colours between the four nearest texels of each pixel; `place` is the tile's first lane."""
     ax, ay, per_x, per_y = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
     across, down = shapes[n, SIZE] * per_x, shapes[n, SIZE + 1] * per_y
     stride, first = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
-    half = ti.f32(0.5)
+    half, done = ti.f32(0.5), -1
     for y in range(top, bottom):
         v = ti.min(ti.max((ti.cast(y, ti.f32) + half - ay) * per_y, ti.f32(0.0)), down) + half
         row = ti.cast(v, ti.i32)
+        # Rows of texels between columns, the one above and the one below, each reckoned once for all rows of pixels.
+        for line in range(ti.max(row, done + 1), row + 2):
+            slot = SLOTS + line % 2 * 4 * ACROSS
+            for x in range(left, right):
+                u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
+                column = ti.cast(u, ti.i32)
+                at, later = first + line * stride + column, u - ti.cast(column, ti.f32)
+                light = texels[at] + (texels[at + 1] - texels[at]) * later
+                for c in ti.static(range(4)):
+                    numbers[(place + slot + c * ACROSS) * LANES + x - x0] = light[c]
+        done = row + 1
         lower = v - ti.cast(row, ti.f32)
-        for x in range(left, right):
-            u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
-            column = ti.cast(u, ti.i32)
-            at, later = first + row * stride + column, u - ti.cast(column, ti.f32)
-            above = texels[at] + (texels[at + 1] - texels[at]) * later
-            below = texels[at + stride] + (texels[at + stride + 1] - texels[at + stride]) * later
-            light = above + (below - above) * lower
-            spot = place + (y - y0) * TILE + x - x0
-            through = numbers[spot + THROUGH * TILE * TILE]
+        for column in range(ACROSS):
+            spot = place + (y - y0) * ACROSS + column
+            above, below = place + SLOTS + row % 2 * 4 * ACROSS + column, place + SLOTS + (row + 1) % 2 * 4 * ACROSS + column
+            x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + half)
+            inside = smaller(x - ti.cast(left, ti.f32), ti.cast(right, ti.f32) - x) > ti.f32(0.0)
+            through = ti.select(inside, lanes[spot + THROUGH * AREA], ti.f32(0.0))
             for c in ti.static(range(3)):
-                numbers[spot + c * TILE * TILE] += through * light[c]
-            numbers[spot + THROUGH * TILE * TILE] = through - through * light[3]
+                light = lanes[above + c * ACROSS] + (lanes[below + c * ACROSS] - lanes[above + c * ACROSS]) * lower
+                lanes[spot + c * AREA] = lanes[spot + c * AREA] + through * light
+            veil = lanes[above + 3 * ACROSS] + (lanes[below + 3 * ACROSS] - lanes[above + 3 * ACROSS]) * lower
+            lanes[spot + THROUGH * AREA] = lanes[spot + THROUGH * AREA] - through * veil
 
 
 @ti.func
@@ -173,7 +190,7 @@ def paint_shape(
     if form.kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
     elif form.kind == CLOUD:
-        _paint_cloud(shapes, n, texels, numbers, place * LANES, left, top, right, bottom, x0, y0)
+        _paint_cloud(shapes, n, texels, lanes, numbers, place, left, top, right, bottom, x0, y0)
     elif form.kind == CAPSULE:  # lanes of a row are written out: a loop over two would double the time to compile
         for y in range(top, bottom):
             for column in ti.static(range(ACROSS)):

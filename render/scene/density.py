@@ -84,27 +84,29 @@ class Density:
         world = self._paths.subjects[scene].scenario.world
         size = np.array(world.size[:2], float)
         cells = _cells(size, many)
-        low, far = np.zeros(2), size
-        if not box.bounded(world.boundary):
-            rim = np.ceil(AWAY * cells)
-            low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
-        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
-        density = _counted((spots - low) / (far - low), cells, mode) * np.prod(cells / (far - low))
-        texels = self.scale.colours.take(self.scale.level(density)[::-1], axis=0)  # y points up in the world, not on the screen
-        first, shapes = self._write(texels), []
         edges = np.array(
             [
                 camera.centre + (window[[0, 3]] - camera.middle) * (1, -1) / camera.scale,
                 camera.centre + (window[[2, 1]] - camera.middle) * (1, -1) / camera.scale,
             ]
         )
+        edge, first, past = size / cells, np.zeros(2, int), cells  # of the cells, numbered from the world's corner
+        if not box.bounded(world.boundary):  # as far as the cloud goes on, and can be seen
+            rim, seen = np.ceil(AWAY * cells), edges / edge
+            first = np.clip(np.floor(seen[0]) - BLUR, -rim, cells + rim - 1).astype(int)
+            past = np.clip(np.ceil(seen[1]) + BLUR, first + 1, cells + rim).astype(int)
+        low, far, cells = first * edge, past * edge, past - first
+        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
+        density = _counted((spots - low) / (far - low), cells, mode) * np.prod(cells / (far - low))
+        texels = self.scale.colours.take(self.scale.level(density)[::-1], axis=0)  # y points up in the world, not on the screen
+        start, shapes = self._write(texels), []
         period = box.period(world.size[:2], world.boundary)
         seen = np.concatenate([edges[0] - size / 2, edges[1] + size / 2])
         _, shifts = images((size / 2)[None], seen[None], period[None])
         for shift in shifts:
             left, bottom = camera.place(low + shift)
             right, top = camera.place(far + shift)
-            shapes.append(cloud((left, top), (right, bottom), (int(cells[0]), int(cells[1])), first))
+            shapes.append(cloud((left, top), (right, bottom), (int(cells[0]), int(cells[1])), start))
         return shapes
 
     def _deep(self, spots: np.ndarray, many: int, scene: int, camera: Orbit, window: np.ndarray) -> list[np.ndarray]:
