@@ -103,8 +103,8 @@ class Canvas:
 
     def _launch(self, out: Framebuffer) -> None:
         """Paint on a plate; what describes the launch is kept with it, for as long as the arrays are these."""
-        ink, texels = self._atlas.ink, self._atlas.texels
-        arrays = self._rows, self._edges, ink, texels, self._bins, self._light, self._lanes, self._numbers, out.whole
+        taken = self._atlas.ink, self._atlas.cells, self._atlas.texels
+        arrays = self._rows, self._edges, *taken, self._bins, self._light, self._lanes, self._numbers, out.whole
         if out.launch is None or any(new is not old for new, old in zip(arrays, out.arrays, strict=True)):
             out.arrays, out.launch = arrays, launch.prepared(paint, *arrays, self.yuv, precision=None)
         out.launch()

@@ -13,8 +13,9 @@ from render.raster.painter import SCRATCH, THROUGH, paint_entries
 from render.raster.tiles import HEAD, PARTS, count_shapes, entries_from, list_shapes, place_parts, rows, tiles_of
 from tiswarm.simd import runtime
 
-CHUNKS = 32
-"""Tiles are dealt to threads in this many interleaved sets, so that a crowded corner is shared."""
+CHUNKS, RUN = 32, 4
+"""Tiles are dealt to threads in this many sets, so that a crowded corner is shared: so many neighbours to each in turn, which
+take what lies side by side in memory."""
 
 CONSTANTS = 1 + AREA  # lanes ahead of the planes: 0 1 2 .. 7, then the dither pattern
 
@@ -67,11 +68,28 @@ def _finish(
             lanes[spot] = encoded(light)
 
 
+@ti.func
+def _due(shapes: ti.template(), bins: ti.template(), out: ti.template(), note, first, entries, y0):
+    """Give the rows of a tile that shapes touch now, or touched when this plate was drawn last, and note the former."""
+    touched = ti.cast(out[note], ti.i32)
+    top, bottom = rows(shapes, bins, first, entries, y0)
+    out[note] = ti.cast(top + bottom * (TILE // 2 + 1), ti.u8)
+    return 2 * ti.min(top, touched % (TILE // 2 + 1)), 2 * ti.max(bottom, touched // (TILE // 2 + 1))
+
+
+@ti.func
+def _dealt(tiles: ti.i32, chunk: ti.i32) -> ti.i32:
+    """Give how many tiles a chunk has."""
+    rest = tiles % (CHUNKS * RUN)
+    return tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
+
+
 @ti.kernel
 def paint(
     shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
     windows: ti.types.ndarray(dtype=ti.f32, ndim=2),
     atlas: ti.types.ndarray(dtype=ti.u8, ndim=2),
+    cells: ti.types.ndarray(dtype=ti.i32, ndim=1),
     texels: _Texels,
     bins: ti.types.ndarray(dtype=ti.i32, ndim=1),
     ground: _Lanes,
@@ -104,23 +122,21 @@ def paint(
             chunk = index // _TASK
             place = CONSTANTS + chunk * SCRATCH
             some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
-            for step in range(some * ((tiles - chunk + CHUNKS - 1) // CHUNKS)):
-                tile = step * CHUNKS + chunk
+            for step in range(some * _dealt(tiles, chunk)):
+                tile = (step // RUN * CHUNKS + chunk) * RUN + step % RUN
                 start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
                 x0, y0 = tile % columns * TILE, tile // columns * TILE
                 x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)
-                # The rows that shapes touch now, and those that they touched when this plate was drawn last.
-                touched = ti.cast(out[length + tile], ti.i32)
-                now_top, now_bottom = rows(shapes, bins, entries_from(tiles) + start, end - start, y0)
-                out[length + tile] = ti.cast(now_top + now_bottom * (TILE // 2 + 1), ti.u8)
-                top, bottom = ti.min(now_top, touched % (TILE // 2 + 1)), ti.max(now_bottom, touched // (TILE // 2 + 1))
-                top, bottom = 2 * top, ti.min(2 * bottom, high)
+                first = entries_from(tiles) + start
+                top, bottom = _due(shapes, bins, out, length + tile, first, end - start, y0)
+                bottom = ti.min(bottom, high)
                 if mode != OVER:
                     top, bottom = 0, high
                 if bottom > top:
                     _begin(lanes, place, top, bottom)
-                    first = entries_from(tiles) + start
-                    paint_entries(shapes, atlas, texels, bins, lanes, numbers, place, first, end - start, x0, y0, top, bottom)
+                    paint_entries(
+                        shapes, atlas, cells, texels, bins, lanes, numbers, place, first, end - start, x0, y0, top, bottom
+                    )
                     _finish(lanes, ground, windows, bins, place, tile, mode, top, bottom)
                     if ti.static(as_yuv):
                         write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)

@@ -78,7 +78,7 @@ class Matte:
     def _both(self, shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
         """Give shapes as they are, and in white or black, as words and clouds in the other atlas are then, too."""
         ink = 1.0 - self._papers[1][0]
-        self._plain.ink = self._atlas.ink
+        self._plain.ink, self._plain.cells = self._atlas.ink, self._atlas.cells
         self._plain.texels = self._atlas.texels[:, 3:] * np.array((ink, ink, ink, 1.0), np.float32)
         whole = shapes if isinstance(shapes, np.ndarray) else np.concatenate(shapes)
         plain = whole.copy()

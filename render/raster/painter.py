@@ -91,6 +91,7 @@ def _paint_sprite(
 def _paint_cloud(
     shapes: ti.template(),
     n: ti.i32,
+    cells: ti.template(),
     texels: ti.template(),
     lanes: ti.template(),
     numbers: ti.template(),
@@ -117,7 +118,8 @@ def _paint_cloud(
                 u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
                 column = ti.cast(u, ti.i32)
                 at, later = first + line * stride + column, u - ti.cast(column, ti.f32)
-                light = texels[at] + (texels[at + 1] - texels[at]) * later
+                near, far = texels[cells[at]], texels[cells[at + 1]]
+                light = near + (far - near) * later
                 for c in ti.static(range(4)):
                     numbers[(place + slot + c * ACROSS) * LANES + x - x0] = light[c]
         done = row + 1
@@ -172,6 +174,7 @@ def paint_shape(
     shapes: ti.template(),
     n: ti.i32,
     atlas: ti.template(),
+    cells: ti.template(),
     texels: ti.template(),
     lanes: ti.template(),
     numbers: ti.template(),
@@ -190,7 +193,7 @@ def paint_shape(
     if form.kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
     elif form.kind == CLOUD:
-        _paint_cloud(shapes, n, texels, lanes, numbers, place, left, top, right, bottom, x0, y0)
+        _paint_cloud(shapes, n, cells, texels, lanes, numbers, place, left, top, right, bottom, x0, y0)
     elif form.kind == CAPSULE:  # lanes of a row are written out: a loop over two would double the time to compile
         for y in range(top, bottom):
             for column in ti.static(range(ACROSS)):
@@ -233,6 +236,7 @@ def _shows(lanes: ti.template(), place: ti.i32, top: ti.i32, bottom: ti.i32) -> 
 def paint_entries(
     shapes: ti.template(),
     atlas: ti.template(),
+    cells: ti.template(),
     texels: ti.template(),
     bins: ti.template(),
     lanes: ti.template(),
@@ -257,7 +261,7 @@ def paint_entries(
             _paint_mask(shapes, joined, lanes, place, top, bottom)
             top, bottom, joined = TILE, 0, -1
         if n >= 0:
-            paint_shape(shapes, n, atlas, texels, lanes, numbers, place, x0, y0)
+            paint_shape(shapes, n, atlas, cells, texels, lanes, numbers, place, x0, y0)
             if group > ti.f32(0.0):
                 top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
                 bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
