@@ -167,10 +167,10 @@ class Composition:
 
     def frame(self, time: float, out: Framebuffer, above: np.ndarray = NONE) -> np.ndarray:
         """Draw the frame of a time [ticks] on a plate that the canvas allocated, and shapes above it; return its bytes."""
-        shapes = np.concatenate([*self._moving(time), above])
+        shapes = [*self._moving(time), above]
         if self._still:
             return self.canvas.draw(shapes, self.windows, out)
-        return self.canvas.fill(self._backdrop, np.concatenate([self._ground(time), shapes]), self.windows, out)
+        return self.canvas.fill(self._backdrop, [self._ground(time), *shapes], self.windows, out)
 
     def shapes(self, time: float) -> np.ndarray:
         """Give all shapes of the frame of a time [ticks], its ground first."""

@@ -143,7 +143,8 @@ class Page:
         stride, first = int(row[TWEAK]), int(row[STROKE])
         extent = row[SIZE : SIZE + 2].astype(float)
         down = round(float(row[PLACE + 3]) * extent[1])
-        texels = self._manuscript.texels[first : first + (down + 2) * stride].reshape(down + 2, stride, 4)
+        cells = self._manuscript.cells[first : first + (down + 2) * stride].reshape(down + 2, stride)
+        texels = self._manuscript.texels[cells]
         layers = []
         for n in range(4):
             layer = Image.fromarray(texels[..., n].astype(np.float32))

@@ -1,15 +1,23 @@
 """A canvas: shapes in, the bytes of a frame out, again and again over the same ground."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from render.raster.encode import AREA, LANES, TILE
 from render.raster.framebuffer import EVERYWHERE, Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
-from render.raster.painter import PLANES
+from render.raster.painter import SCRATCH
 from render.raster.shapes import COLUMNS, Colour
-from render.raster.tiles import HEAD
+from render.raster.tiles import HEAD, entries_from
 from tiswarm.simd import launch, runtime
+
+ROOM = 1024
+"""So many shapes have room at first."""
+
+Shapes = np.ndarray | Sequence[np.ndarray]
+"""Rows of shapes, or several arrays of them, drawn one after the other."""
 
 
 class Canvas:
@@ -27,13 +35,15 @@ class Canvas:
         self.yuv = yuv
         self._atlas = atlas
         self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
-        self._bins = np.zeros(HEAD + 2 * self._tiles, np.int32)
+        self._bins = np.zeros(entries_from(self._tiles) + 2 * self._tiles, np.int32)
         self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
-        self._lanes = runtime.aligned((CONSTANTS + CHUNKS * PLANES * AREA, LANES), np.float32)
+        self._lanes = runtime.aligned((CONSTANTS + CHUNKS * SCRATCH, LANES), np.float32)
+        self._numbers = self._lanes.reshape(-1)
         self._lanes[0] = np.arange(LANES)
         self._lanes[1:CONSTANTS] = _bayer(4).reshape(AREA, LANES)
         self._frame = np.array([[0, 0, *size]], np.float32)
-        self._empty = np.zeros((1, COLUMNS), np.float32)
+        self._rows = np.zeros((ROOM, COLUMNS), np.float32)
+        self._edges = np.zeros((0, 4), np.float32)
         self._grounds = 0
 
     def blank(self) -> Framebuffer:
@@ -41,7 +51,7 @@ class Canvas:
         pixels = self.width * self.height
         return Framebuffer(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
 
-    def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
+    def lay(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None = None) -> None:
         """Make the ground that frames start from: a colour (linear light) and shapes that stand still.
 
         windows: [window, 4], what shapes are cut to, by the number that each names: x0, y0, x1, y1 [px]; the frame when None.
@@ -49,7 +59,7 @@ class Canvas:
         self._grounds += 1
         self._run(LAY, shapes, windows, self.blank(), colour)
 
-    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
+    def draw(self, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw shapes over the ground on a plate that `blank` allocated; return its bytes. windows: as in `lay`.
 
         Only what differs from what the plate shows is painted: a plate that is used again is faster than a new one.
@@ -60,7 +70,7 @@ class Canvas:
         out.ground = self._grounds
         return out.bytes
 
-    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
+    def fill(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw all anew, a colour and shapes over it, where no ground stands still; return the plate's bytes."""
         self._run(WHOLE, shapes, windows, out, colour)
         out.ground = -1
@@ -72,31 +82,32 @@ class Canvas:
         tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
         return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
 
-    def _run(self, mode: int, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer, colour: Colour) -> None:
+    def _run(self, mode: int, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer, colour: Colour) -> None:
         windows = self._frame if windows is None else windows
-        count, rows = len(shapes), shapes if len(shapes) else self._empty  # an empty array is no kernel argument
-        edges = np.concatenate([windows, [[*colour, 0]]], dtype=np.float32)
+        parts = [shapes] if isinstance(shapes, np.ndarray) else shapes
+        count = sum(map(len, parts))
+        if count > len(self._rows):
+            self._rows = np.zeros((count * 3 // 2, COLUMNS), np.float32)
+        np.concatenate(parts, out=self._rows[:count])
+        if len(self._edges) != len(windows) + 1:
+            self._edges = np.zeros((len(windows) + 1, 4), np.float32)
+        self._edges[:-1], self._edges[-1, :3] = windows, colour
         while True:
-            room = len(self._bins) - HEAD - self._tiles - 1
+            room = len(self._bins) - entries_from(self._tiles)
             self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
-            numbers = self._lanes.reshape(-1)
-            launch.run(
-                paint,
-                rows,
-                edges,
-                self._atlas.ink,
-                self._atlas.texels,
-                self._bins,
-                self._light,
-                self._lanes,
-                numbers,
-                out.whole,
-                self.yuv,
-            )
+            self._launch(out)
             needed = int(self._bins[HEAD + self._tiles])
             if needed <= room:
                 return
-            self._bins = np.zeros(HEAD + self._tiles + 1 + needed * 3 // 2, np.int32)
+            self._bins = np.zeros(entries_from(self._tiles) + needed * 3 // 2, np.int32)
+
+    def _launch(self, out: Framebuffer) -> None:
+        """Paint on a plate; what describes the launch is kept with it, for as long as the arrays are these."""
+        taken = self._atlas.ink, self._atlas.cells, self._atlas.texels
+        arrays = self._rows, self._edges, *taken, self._bins, self._light, self._lanes, self._numbers, out.whole
+        if out.launch is None or any(new is not old for new, old in zip(arrays, out.arrays, strict=True)):
+            out.arrays, out.launch = arrays, launch.prepared(paint, *arrays, self.yuv, precision=None)
+        out.launch()
 
 
 def _bayer(order: int) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Framebuffer: the bytes of one frame, which are drawn on again and again."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 EVERYWHERE = 0 + 8 * 9
@@ -15,3 +17,5 @@ class Framebuffer:
         self.bytes, self.touched = self.whole[:length], self.whole[length:]
         self.touched[:] = EVERYWHERE
         self.ground = -1  # the number of the ground that they were drawn over
+        self.arrays: tuple[np.ndarray, ...] = ()  # what they were drawn with, and what draws with these again
+        self.launch: Callable[[], None] | None = None

@@ -58,17 +58,28 @@ class Atlas:
     """What sprites and clouds take from.
 
     ink: the strings drawn so far, [y, x] of uint8; it grows downwards, so places stay valid.
-    texels: of the frame's clouds, [texel, 4] of float32: linear light times opacity, and opacity.
+    cells, texels: of the frame's clouds; numbers of texels, [cell] of int32, and these, [texel, 4] of float32: linear light
+    times opacity, and opacity. Both have more room than they need.
     """
 
     def __init__(self, weight: float = 1.0):
         """Start empty. weight: power of the ink's coverage; below 1 makes type bolder."""
         self._weight = weight
         self.ink = np.zeros((64, WIDTH), np.uint8)
-        self.texels = np.zeros((1, 4), np.float32)
+        self.cells, self.texels = np.zeros(1, np.int32), np.zeros((1, 4), np.float32)
         self._known: dict[tuple[str, int], tuple[int, ...]] = {}
         self._pen = [0, 0]  # where the next string goes
         self._shelf = 0  # height of the row being filled
+
+    def take(self, cells: list[np.ndarray], texels: list[np.ndarray]) -> None:
+        """Take over what the frame's clouds are made of, where that of the frame before was: see `cells`."""
+        many, colours = sum(map(len, cells)), sum(map(len, texels))
+        if many > len(self.cells):
+            self.cells = np.zeros(many * 3 // 2, np.int32)
+        if colours > len(self.texels):
+            self.texels = np.zeros((colours * 3 // 2, 4), np.float32)
+        np.concatenate(cells, out=self.cells[:many])
+        np.concatenate(texels, out=self.texels[:colours])
 
     def line(
         self,

@@ -9,12 +9,13 @@ are painted: all others show the ground already.
 import taichi as ti
 
 from render.raster.encode import ACROSS, AREA, LANES, TILE, encoded, write_rgb, write_yuv
-from render.raster.painter import PLANES, paint_entries
-from render.raster.tiles import HEAD, bin_shapes, rows
+from render.raster.painter import SCRATCH, THROUGH, paint_entries
+from render.raster.tiles import HEAD, PARTS, count_shapes, entries_from, list_shapes, place_parts, rows, tiles_of
 from tiswarm.simd import runtime
 
-CHUNKS = 32
-"""Tiles are dealt to threads in this many interleaved sets, so that a crowded corner is shared."""
+CHUNKS, RUN = 32, 4
+"""Tiles are dealt to threads in this many sets, so that a crowded corner is shared: so many neighbours to each in turn, which
+take what lies side by side in memory."""
 
 CONSTANTS = 1 + AREA  # lanes ahead of the planes: 0 1 2 .. 7, then the dither pattern
 
@@ -30,7 +31,16 @@ _Bytes = ti.types.ndarray(dtype=ti.u8, ndim=1)
 
 
 @ti.func
-def _begin(
+def _begin(lanes: ti.template(), place, top, bottom):
+    """Empty the rows `top` to `bottom` of a tile's scratch memory."""
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
+        for c in ti.static(range(3)):
+            lanes[spot + c * AREA] = ti.f32(0.0) * lanes[0]
+        lanes[spot + THROUGH * AREA] = ti.f32(0.0) * lanes[0] + ti.f32(1.0)
+
+
+@ti.func
+def _finish(
     lanes: ti.template(),
     ground: ti.template(),
     windows: ti.template(),
@@ -41,27 +51,37 @@ def _begin(
     top,
     bottom,
 ):
-    """Fill a tile's scratch memory: with the ground in its rows `top` to `bottom`, or with the colour that all begins with."""
+    """Lay the ground under a painted tile, or the colour that all begins with; keep it as the ground where that is wanted.
+
+    Then encode its light.
+    """
     for c in range(3):
-        plane = c * AREA
-        if mode == OVER:
-            for spot in range(plane + top * ACROSS, plane + bottom * ACROSS):
-                lanes[place + spot] = ground[tile * 3 * AREA + spot]
-        else:
-            base = windows[bins[5], c]
-            for spot in range(plane, plane + AREA):
-                lanes[place + spot] = ti.f32(0.0) * lanes[0] + base
+        base = windows[bins[5], c]
+        for row in range(top * ACROSS, bottom * ACROSS):
+            spot, under = place + c * AREA + row, (tile * 3 + c) * AREA + row
+            below = ti.f32(0.0) * lanes[0] + base
+            if mode == OVER:
+                below = ground[under]
+            light = lanes[spot] + lanes[place + THROUGH * AREA + row] * below
+            if mode == LAY:
+                ground[under] = light
+            lanes[spot] = encoded(light)
 
 
 @ti.func
-def _finish(lanes: ti.template(), ground: ti.template(), place, tile, mode, top, bottom):
-    """Keep a painted tile as the ground where that is wanted, and encode its light."""
-    if mode == LAY:
-        for spot in range(3 * AREA):
-            ground[tile * 3 * AREA + spot] = lanes[place + spot]
-    for c in range(3):
-        for spot in range(place + c * AREA + top * ACROSS, place + c * AREA + bottom * ACROSS):
-            lanes[spot] = encoded(lanes[spot])
+def _due(shapes: ti.template(), bins: ti.template(), out: ti.template(), note, first, entries, y0):
+    """Give the rows of a tile that shapes touch now, or touched when this plate was drawn last, and note the former."""
+    touched = ti.cast(out[note], ti.i32)
+    top, bottom = rows(shapes, bins, first, entries, y0)
+    out[note] = ti.cast(top + bottom * (TILE // 2 + 1), ti.u8)
+    return 2 * ti.min(top, touched % (TILE // 2 + 1)), 2 * ti.max(bottom, touched // (TILE // 2 + 1))
+
+
+@ti.func
+def _dealt(tiles: ti.i32, chunk: ti.i32) -> ti.i32:
+    """Give how many tiles a chunk has."""
+    rest = tiles % (CHUNKS * RUN)
+    return tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
 
 
 @ti.kernel
@@ -69,6 +89,7 @@ def paint(
     shapes: ti.types.ndarray(dtype=ti.f32, ndim=2),
     windows: ti.types.ndarray(dtype=ti.f32, ndim=2),
     atlas: ti.types.ndarray(dtype=ti.u8, ndim=2),
+    cells: ti.types.ndarray(dtype=ti.i32, ndim=1),
     texels: _Texels,
     bins: ti.types.ndarray(dtype=ti.i32, ndim=1),
     ground: _Lanes,
@@ -83,38 +104,40 @@ def paint(
     numbers are two views of the scratch memory. When bins have no room for all entries nothing is painted: their end says how
     many there are.
     """
+    for index in range(PARTS * _TASK):
+        if index % _TASK == 0:
+            count_shapes(shapes, windows, bins, index // _TASK)
     for _ in range(1):
-        across = (bins[0] + TILE - 1) // TILE
-        bin_shapes(shapes, windows, bins, across, across * ((bins[1] + TILE - 1) // TILE))
+        place_parts(bins)
+    for index in range(PARTS * _TASK):
+        if index % _TASK == 0:
+            list_shapes(shapes, bins, index // _TASK)
     for index in range(CHUNKS * _TASK):
         if index % _TASK == 0:
             width, height, mode = bins[0], bins[1], bins[3]
-            columns = (width + TILE - 1) // TILE
-            tiles = columns * ((height + TILE - 1) // TILE)
+            columns, tiles = tiles_of(bins)
             length = width * height * 3
             if ti.static(as_yuv):
                 length = length // 2
             chunk = index // _TASK
-            place = CONSTANTS + chunk * PLANES * AREA
+            place = CONSTANTS + chunk * SCRATCH
             some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
-            for step in range(some * ((tiles - chunk + CHUNKS - 1) // CHUNKS)):
-                tile = step * CHUNKS + chunk
+            for step in range(some * _dealt(tiles, chunk)):
+                tile = (step // RUN * CHUNKS + chunk) * RUN + step % RUN
                 start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
                 x0, y0 = tile % columns * TILE, tile // columns * TILE
                 x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)
-                # The rows that shapes touch now, and those that they touched when this plate was drawn last.
-                touched = ti.cast(out[length + tile], ti.i32)
-                now_top, now_bottom = rows(shapes, bins, HEAD + tiles + 1 + start, end - start, y0)
-                out[length + tile] = ti.cast(now_top + now_bottom * (TILE // 2 + 1), ti.u8)
-                top, bottom = ti.min(now_top, touched % (TILE // 2 + 1)), ti.max(now_bottom, touched // (TILE // 2 + 1))
-                top, bottom = 2 * top, ti.min(2 * bottom, high)
+                first = entries_from(tiles) + start
+                top, bottom = _due(shapes, bins, out, length + tile, first, end - start, y0)
+                bottom = ti.min(bottom, high)
                 if mode != OVER:
                     top, bottom = 0, high
                 if bottom > top:
-                    _begin(lanes, ground, windows, bins, place, tile, mode, top, bottom)
-                    first = HEAD + tiles + 1 + start
-                    paint_entries(shapes, atlas, texels, bins, lanes, numbers, place, first, end - start, x0, y0)
-                    _finish(lanes, ground, place, tile, mode, top, bottom)
+                    _begin(lanes, place, top, bottom)
+                    paint_entries(
+                        shapes, atlas, cells, texels, bins, lanes, numbers, place, first, end - start, x0, y0, top, bottom
+                    )
+                    _finish(lanes, ground, windows, bins, place, tile, mode, top, bottom)
                     if ti.static(as_yuv):
                         write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
                     else:

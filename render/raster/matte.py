@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from render.raster.canvas import Canvas
+from render.raster.canvas import Canvas, Shapes
 from render.raster.framebuffer import Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.shapes import PAINT, Colour, encoded, linear
@@ -53,19 +53,19 @@ class Matte:
         """Allocate the bytes of one frame: red, green, blue and opacity of each pixel, encoded, not multiplied."""
         return Framebuffer(self.width * self.height * 4, 0)
 
-    def lay(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None = None) -> None:
+    def lay(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None = None) -> None:
         """Take shapes that stand still. colour: linear light of the ground to suit. windows: as for a canvas."""
         self._suit(colour)
         for canvas, paper, rows in zip(self._canvases, self._papers, self._both(shapes), strict=True):
             canvas.lay(paper, rows, windows)
 
-    def draw(self, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
+    def draw(self, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw shapes above those that stand still, on a plate that `blank` allocated; return its bytes."""
         for canvas, rows, plate in zip(self._canvases, self._both(shapes), self._plates, strict=True):
             canvas.draw(rows, windows, plate)
         return self._joined(out)
 
-    def fill(self, colour: Colour, shapes: np.ndarray, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
+    def fill(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
         """Draw all anew, where nothing stands still; return the plate's bytes. colour: as in `lay`."""
         self._suit(colour)
         for canvas, paper, rows, plate in zip(self._canvases, self._papers, self._both(shapes), self._plates, strict=True):
@@ -75,14 +75,15 @@ class Matte:
     def _suit(self, ground: Colour) -> None:
         self._ground, self._papers = ground, (BLACK, WHITE if sum(ground) / 3 > LIGHT else BLACK)
 
-    def _both(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _both(self, shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
         """Give shapes as they are, and in white or black, as words and clouds in the other atlas are then, too."""
         ink = 1.0 - self._papers[1][0]
-        self._plain.ink = self._atlas.ink
+        self._plain.ink, self._plain.cells = self._atlas.ink, self._atlas.cells
         self._plain.texels = self._atlas.texels[:, 3:] * np.array((ink, ink, ink, 1.0), np.float32)
-        plain = shapes.copy()
+        whole = shapes if isinstance(shapes, np.ndarray) else np.concatenate(shapes)
+        plain = whole.copy()
         plain[:, PAINT : PAINT + 3] = ink
-        return shapes, plain
+        return whole, plain
 
     def _joined(self, out: Framebuffer) -> np.ndarray:
         """Find colours and opacities of the pixels that have changed, and fill what shows nothing."""

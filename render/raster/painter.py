@@ -1,5 +1,7 @@
 # mypy: disable-error-code="valid-type,index,operator,call-arg"
-"""Paint shapes into the scratch memory of a tile: planes of linear red, green and blue, and a mask where groups are joined.
+"""Paint shapes into the scratch memory of a tile, the uppermost first; what is hidden below them is not reckoned at all.
+
+It holds planes of linear red, green and blue, of how much of what is below shows through, and a mask where groups are joined.
 
 Lanes know no unary minus, no `abs` and no casts under this project's compiler settings (CONTRIBUTING): what needs one is done
 on plain numbers, through a second view of the scratch memory.
@@ -24,18 +26,38 @@ from render.raster.shapes import (
     STROKE,
     TWEAK,
 )
-from tiswarm.simd.lanes import larger, smaller
+from tiswarm.simd.lanes import anywhere, larger, smaller
 
-MASK = 3  # plane of joined coverage in the scratch memory, after linear red, green and blue
-PLANES = 4
+THROUGH, MASK = 3, 4
+"""Planes of the scratch memory after linear red, green and blue: the share of what is below that shows, and joined coverage."""
+
+PLANES = 5
+
+SLOTS = PLANES * AREA
+"""Behind the planes are two rows of a cloud's colours and opacities: [row, channel, ACROSS] lanes."""
+
+SCRATCH = SLOTS + 2 * 4 * ACROSS
+"""Lanes of scratch memory that each tile at work needs."""
+
+LOOK = 8
+"""After so many shapes a tile is looked over for whether anything shows through yet."""
 
 
 @ti.func
 def _blend(lanes: ti.template(), spot: ti.i32, red: ti.f32, green: ti.f32, blue: ti.f32, cover):
-    old_red, old_green, old_blue = lanes[spot], lanes[spot + AREA], lanes[spot + 2 * AREA]
-    lanes[spot] = old_red + cover * (red - old_red)
-    lanes[spot + AREA] = old_green + cover * (green - old_green)
-    lanes[spot + 2 * AREA] = old_blue + cover * (blue - old_blue)
+    """Lay a colour under what is there already."""
+    through = lanes[spot + THROUGH * AREA]
+    seen = through * cover
+    lanes[spot] = lanes[spot] + seen * red
+    lanes[spot + AREA] = lanes[spot + AREA] + seen * green
+    lanes[spot + 2 * AREA] = lanes[spot + 2 * AREA] + seen * blue
+    lanes[spot + THROUGH * AREA] = through - seen
+
+
+@ti.func
+def _open(lanes: ti.template(), spot: ti.i32):
+    """Tell whether anything shows through any of eight pixels."""
+    return anywhere(lanes[spot + THROUGH * AREA] > ti.f32(0.0))
 
 
 @ti.func
@@ -58,16 +80,20 @@ def _paint_sprite(
     for y in range(top, bottom):
         for x in range(left, right):
             cover = ti.cast(atlas[y + shift_y, x + shift_x], ti.f32) * (ti.f32(1.0 / 255.0) * shapes[n, ALPHA])
+            spot = place + (y - y0) * TILE + x - x0
+            seen = numbers[spot + THROUGH * TILE * TILE] * cover
             for c in range(3):
-                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
-                numbers[spot] += (shapes[n, PAINT + c] - numbers[spot]) * cover
+                numbers[spot + c * TILE * TILE] += shapes[n, PAINT + c] * seen
+            numbers[spot + THROUGH * TILE * TILE] -= seen
 
 
 @ti.func
 def _paint_cloud(
     shapes: ti.template(),
     n: ti.i32,
+    cells: ti.template(),
     texels: ti.template(),
+    lanes: ti.template(),
     numbers: ti.template(),
     place: ti.i32,
     left,
@@ -77,25 +103,38 @@ def _paint_cloud(
     x0,
     y0,
 ):
-    """Blend colours between the four nearest texels of each pixel; `place` as in `_paint_sprite`."""
+    """Blend colours between the four nearest texels of each pixel; `place` is the tile's first lane."""
     ax, ay, per_x, per_y = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
     across, down = shapes[n, SIZE] * per_x, shapes[n, SIZE + 1] * per_y
     stride, first = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
-    half = ti.f32(0.5)
+    half, done = ti.f32(0.5), -1
     for y in range(top, bottom):
         v = ti.min(ti.max((ti.cast(y, ti.f32) + half - ay) * per_y, ti.f32(0.0)), down) + half
         row = ti.cast(v, ti.i32)
+        # Rows of texels between columns, the one above and the one below, each reckoned once for all rows of pixels.
+        for line in range(ti.max(row, done + 1), row + 2):
+            slot = SLOTS + line % 2 * 4 * ACROSS
+            for x in range(left, right):
+                u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
+                column = ti.cast(u, ti.i32)
+                at, later = first + line * stride + column, u - ti.cast(column, ti.f32)
+                near, far = texels[cells[at]], texels[cells[at + 1]]
+                light = near + (far - near) * later
+                for c in ti.static(range(4)):
+                    numbers[(place + slot + c * ACROSS) * LANES + x - x0] = light[c]
+        done = row + 1
         lower = v - ti.cast(row, ti.f32)
-        for x in range(left, right):
-            u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
-            column = ti.cast(u, ti.i32)
-            at, later = first + row * stride + column, u - ti.cast(column, ti.f32)
-            above = texels[at] + (texels[at + 1] - texels[at]) * later
-            below = texels[at + stride] + (texels[at + stride + 1] - texels[at + stride]) * later
-            light = above + (below - above) * lower
+        for column in range(ACROSS):
+            spot = place + (y - y0) * ACROSS + column
+            above, below = place + SLOTS + row % 2 * 4 * ACROSS + column, place + SLOTS + (row + 1) % 2 * 4 * ACROSS + column
+            x = lanes[0] + (ti.cast(x0 + column * LANES, ti.f32) + half)
+            inside = smaller(x - ti.cast(left, ti.f32), ti.cast(right, ti.f32) - x) > ti.f32(0.0)
+            through = ti.select(inside, lanes[spot + THROUGH * AREA], ti.f32(0.0))
             for c in ti.static(range(3)):
-                spot = place + c * TILE * TILE + (y - y0) * TILE + x - x0
-                numbers[spot] = numbers[spot] * (ti.f32(1.0) - light[3]) + light[c]
+                light = lanes[above + c * ACROSS] + (lanes[below + c * ACROSS] - lanes[above + c * ACROSS]) * lower
+                lanes[spot + c * AREA] = lanes[spot + c * AREA] + through * light
+            veil = lanes[above + 3 * ACROSS] + (lanes[below + 3 * ACROSS] - lanes[above + 3 * ACROSS]) * lower
+            lanes[spot + THROUGH * AREA] = lanes[spot + THROUGH * AREA] - through * veil
 
 
 @ti.func
@@ -135,6 +174,7 @@ def paint_shape(
     shapes: ti.template(),
     n: ti.i32,
     atlas: ti.template(),
+    cells: ti.template(),
     texels: ti.template(),
     lanes: ti.template(),
     numbers: ti.template(),
@@ -153,12 +193,12 @@ def paint_shape(
     if form.kind == SPRITE:
         _paint_sprite(shapes, n, atlas, numbers, place * LANES, left, top, right, bottom, x0, y0)
     elif form.kind == CLOUD:
-        _paint_cloud(shapes, n, texels, numbers, place * LANES, left, top, right, bottom, x0, y0)
+        _paint_cloud(shapes, n, cells, texels, lanes, numbers, place, left, top, right, bottom, x0, y0)
     elif form.kind == CAPSULE:  # lanes of a row are written out: a loop over two would double the time to compile
         for y in range(top, bottom):
             for column in ti.static(range(ACROSS)):
-                if left < x0 + column * LANES + LANES and right > x0 + column * LANES:
-                    spot = place + (y - y0) * ACROSS + column
+                spot = place + (y - y0) * ACROSS + column
+                if left < x0 + column * LANES + LANES and right > x0 + column * LANES and _open(lanes, spot):
                     cover = _covered(True, form, lanes, left, right, x0 + column * LANES, y)
                     if grouped:
                         lanes[spot + MASK * AREA] = larger(lanes[spot + MASK * AREA], cover)
@@ -167,8 +207,10 @@ def paint_shape(
     else:
         for y in range(top, bottom):
             for column in ti.static(range(ACROSS)):
-                cover = _covered(False, form, lanes, left, right, x0 + column * LANES, y)
-                _blend(lanes, place + (y - y0) * ACROSS + column, red, green, blue, cover)
+                spot = place + (y - y0) * ACROSS + column
+                if _open(lanes, spot):
+                    cover = _covered(False, form, lanes, left, right, x0 + column * LANES, y)
+                    _blend(lanes, spot, red, green, blue, cover)
 
 
 @ti.func
@@ -182,9 +224,19 @@ def _paint_mask(shapes: ti.template(), n: ti.i32, lanes: ti.template(), place: t
 
 
 @ti.func
+def _shows(lanes: ti.template(), place: ti.i32, top: ti.i32, bottom: ti.i32) -> ti.i32:
+    """Tell whether anything shows through anywhere in some rows of a tile."""
+    through = ti.f32(0.0) * lanes[0]
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
+        through = through + lanes[spot + THROUGH * AREA]
+    return ti.cast(anywhere(through > ti.f32(0.0)), ti.i32)
+
+
+@ti.func
 def paint_entries(
     shapes: ti.template(),
     atlas: ti.template(),
+    cells: ti.template(),
     texels: ti.template(),
     bins: ti.template(),
     lanes: ti.template(),
@@ -194,19 +246,25 @@ def paint_entries(
     entries: ti.i32,
     x0,
     y0,
+    high: ti.i32,
+    low: ti.i32,
 ):
-    """Blend the shapes of a tile, whose entries begin at `first`, into its scratch memory."""
+    """Lay the shapes of a tile, whose entries begin at `first`, into its rows `high` to `low`: each under those after it."""
     joined = -1  # a shape of the group whose coverage the mask holds, between two rows of the tile
     top, bottom = TILE, 0
-    for entry in range(entries + 1):
-        n = ti.select(entry < entries, bins[first + entry], -1)
+    left = entries  # how many have yet to be laid; none any more where nothing shows through
+    while left >= 0:
+        left -= 1
+        n = ti.select(left >= 0, bins[first + ti.max(left, 0)], -1)
         group = ti.select(n < 0, ti.f32(0.0), shapes[ti.max(n, 0), GROUP])
         if joined >= 0 and (n < 0 or group != shapes[ti.max(joined, 0), GROUP]):
             _paint_mask(shapes, joined, lanes, place, top, bottom)
-            top, bottom = TILE, 0
+            top, bottom, joined = TILE, 0, -1
         if n >= 0:
-            paint_shape(shapes, n, atlas, texels, lanes, numbers, place, x0, y0)
+            paint_shape(shapes, n, atlas, cells, texels, lanes, numbers, place, x0, y0)
             if group > ti.f32(0.0):
                 top = ti.min(top, ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0, 0))
                 bottom = ti.max(bottom, ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0, TILE))
-        joined = ti.select(group > ti.f32(0.0), n, -1)
+                joined = ti.select(joined < 0, n, joined)
+            elif left % LOOK == 0 and left > 0:
+                left *= _shows(lanes, place, high, low)

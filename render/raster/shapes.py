@@ -125,9 +125,9 @@ def sprites(corner, size, source, paint, alpha=1.0) -> np.ndarray:
 
 
 def cloud(low, high, cells: tuple[int, int], first: int) -> np.ndarray:
-    """Draw a cloud between the corners low and high [2]: colours that run into each other, from the atlas's texels.
+    """Draw a cloud between the corners low and high [2]: colours that run into each other, from the atlas's cells.
 
-    cells: columns and rows, from the top left corner on. first: number of the first texel; they have a rim of one cell around.
+    cells: columns and rows, from the top left corner on. first: number of the first; they have a rim of one cell around.
     """
     low, extent = np.asarray(low, float), np.subtract(high, low)
     rows = _rows(CLOUD, 1, 0.0, 1.0, 1.0, 0, 1.0, first)

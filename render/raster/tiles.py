@@ -7,7 +7,19 @@ from render.raster.encode import TILE
 from render.raster.shapes import ALPHA, BOUNDS, BOX, CAPSULE, DART, KIND, PLACE, QUAD, SIZE, SOFT, STROKE, TWEAK, WINDOW
 
 HEAD = 8
-"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows. Each argument costs a launch some time."""
+"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows. Each argument costs a launch some time.
+
+Behind it are where each tile's entries begin, and where the last ones end; for each part of the shapes a number for each tile;
+then the entries: of each tile, in drawing order, the shapes that it shows."""
+
+PARTS, FEW = 16, 1024
+"""Shapes are listed side by side in so many parts at most, fewer where each would have less than FEW of them."""
+
+
+@ti.pyfunc
+def entries_from(tiles):
+    """Give where entries begin."""
+    return HEAD + 1 + (1 + PARTS) * tiles
 
 
 @ti.func
@@ -40,35 +52,84 @@ def _fit(shapes: ti.template(), n: ti.i32, windows: ti.template()) -> ti.i32:
 
 
 @ti.func
-def bin_shapes(shapes: ti.template(), windows: ti.template(), bins: ti.template(), columns: ti.i32, tiles: ti.i32):
-    """List for each tile, in drawing order, the shapes that it shows: after the head, starts of the tiles, end, entries."""
-    count = bins[2]
-    for tile in range(tiles + 1):
-        bins[HEAD + tile] = 0
-    for n in range(count):
+def _corners(shapes: ti.template(), n: ti.i32):
+    """Give the tiles that the bounds of shape n lie in: the first column and row, the last column and row."""
+    left, top = ti.cast(shapes[n, BOUNDS], ti.i32) // TILE, ti.cast(shapes[n, BOUNDS + 1], ti.i32) // TILE
+    right = (ti.cast(shapes[n, BOUNDS + 2], ti.i32) - 1) // TILE
+    bottom = (ti.cast(shapes[n, BOUNDS + 3], ti.i32) - 1) // TILE
+    return left, top, right, bottom
+
+
+@ti.func
+def tiles_of(bins: ti.template()):
+    """Give how many tiles a frame has, in a row and in all."""
+    across = (bins[0] + TILE - 1) // TILE
+    return across, across * ((bins[1] + TILE - 1) // TILE)
+
+
+@ti.func
+def _parts(count: ti.i32) -> ti.i32:
+    """Give in how many parts so many shapes are listed; no bit depends on it, for entries keep their order."""
+    return ti.select(count > 0, ti.min(count // FEW + 1, PARTS), 0)
+
+
+@ti.func
+def _share(count: ti.i32, part: ti.i32):
+    """Give the first shape of a part and the one past its last: none of parts that so few shapes do not need."""
+    parts = ti.max(_parts(count), 1)
+    return ti.min(count * part // parts, count), ti.min(count * (part + 1) // parts, count)
+
+
+@ti.func
+def count_shapes(shapes: ti.template(), windows: ti.template(), bins: ti.template(), part: ti.i32):
+    """Find the bounds of a part of the shapes, and count how many of them each tile shows."""
+    columns, tiles = tiles_of(bins)
+    begin, end = _share(bins[2], part)
+    own = HEAD + tiles + 1 + part * tiles
+    if end > begin:
+        for tile in range(tiles):
+            bins[own + tile] = 0
+    for n in range(begin, end):
         if _fit(shapes, n, windows):
-            left, top = ti.cast(shapes[n, BOUNDS], ti.i32) // TILE, ti.cast(shapes[n, BOUNDS + 1], ti.i32) // TILE
-            right = (ti.cast(shapes[n, BOUNDS + 2], ti.i32) - 1) // TILE
-            bottom = (ti.cast(shapes[n, BOUNDS + 3], ti.i32) - 1) // TILE
+            left, top, right, bottom = _corners(shapes, n)
             for row in range(top, bottom + 1):
                 for column in range(left, right + 1):
-                    bins[HEAD + row * columns + column] += 1
+                    bins[own + row * columns + column] += 1
         else:
             shapes[n, BOUNDS + 2] = ti.f32(-1.0)
+
+
+@ti.func
+def place_parts(bins: ti.template()):
+    """Turn counts into places: where each tile's entries begin, and within them those of each part."""
+    tiles = tiles_of(bins)[1]
+    parts, total = _parts(bins[2]), 0
     for tile in range(tiles):
-        bins[HEAD + tile + 1] += bins[HEAD + tile]
-    if bins[HEAD + tiles] <= bins[4]:
-        for back in range(count):
-            n = count - 1 - back
-            if shapes[n, BOUNDS + 2] >= ti.f32(0.0):
-                left, top = ti.cast(shapes[n, BOUNDS], ti.i32) // TILE, ti.cast(shapes[n, BOUNDS + 1], ti.i32) // TILE
-                right = (ti.cast(shapes[n, BOUNDS + 2], ti.i32) - 1) // TILE
-                bottom = (ti.cast(shapes[n, BOUNDS + 3], ti.i32) - 1) // TILE
-                for row in range(top, bottom + 1):
-                    for column in range(left, right + 1):
-                        tile = HEAD + row * columns + column
-                        bins[tile] -= 1
-                        bins[HEAD + tiles + 1 + bins[tile]] = n
+        bins[HEAD + tile] = total
+        for part in range(parts):
+            spot = HEAD + tiles + 1 + part * tiles + tile
+            own = bins[spot]
+            bins[spot] = total
+            total += own
+    bins[HEAD + tiles] = total
+
+
+@ti.func
+def list_shapes(shapes: ti.template(), bins: ti.template(), part: ti.i32):
+    """Write the entries of a part of the shapes, in drawing order, where there is room for all."""
+    columns, tiles = tiles_of(bins)
+    begin, end = _share(bins[2], part)
+    if bins[HEAD + tiles] > bins[4]:
+        end = begin
+    own, first = HEAD + tiles + 1 + part * tiles, entries_from(tiles)
+    for n in range(begin, end):
+        if shapes[n, BOUNDS + 2] >= ti.f32(0.0):
+            left, top, right, bottom = _corners(shapes, n)
+            for row in range(top, bottom + 1):
+                for column in range(left, right + 1):
+                    spot = own + row * columns + column
+                    bins[first + bins[spot]] = n
+                    bins[spot] += 1
 
 
 @ti.func

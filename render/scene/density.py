@@ -35,7 +35,7 @@ class Density:
         """Prepare. lone: [agent], who is drawn one by one; the others make the cloud, or all when all are. atlas: takes it."""
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
-        self._texels: list[np.ndarray] = []
+        self._written: list[tuple[np.ndarray, np.ndarray]] = []
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
         self.scale = scale_of(theme, self._most(), veiled=bool(lone.all()), counted=self._words(words))
 
@@ -61,7 +61,7 @@ class Density:
     def drawn(self, here: Snapshot, camera: Camera, windows: np.ndarray) -> np.ndarray:
         """Draw the clouds of all subjects. windows: [subject, 4], where each is shown [px]."""
         rows = [NONE]
-        self._texels.clear()
+        self._written.clear()
         there = self._counted & (here.time < self._paths.end)
         for scene, many in enumerate(self._many):
             agents = np.flatnonzero(there if len(self._many) == 1 else there & (self._paths.scene == scene))
@@ -75,36 +75,40 @@ class Density:
             for each in drawn:
                 each[:, WINDOW] = scene
             rows += drawn
-        if self._texels:
-            self._atlas.texels = self._texels[0] if len(self._texels) == 1 else np.concatenate(self._texels)
+        if self._written:
+            self._atlas.take(*map(list, zip(*self._written, strict=True)))
         return np.concatenate(rows)
 
     def _flat(self, spots: np.ndarray, many: int, scene: int, camera: Camera, window: np.ndarray) -> list[np.ndarray]:
         """Spread agents over the ground, whatever the camera does: the cloud does not crawl when it moves."""
+        from render.scene.cells import counted
+
         world = self._paths.subjects[scene].scenario.world
         size = np.array(world.size[:2], float)
         cells = _cells(size, many)
-        low, far = np.zeros(2), size
-        if not box.bounded(world.boundary):
-            rim = np.ceil(AWAY * cells)
-            low, far, cells = -rim * size / cells, size + rim * size / cells, cells + 2 * rim.astype(int)
-        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
-        density = _counted((spots - low) / (far - low), cells, mode) * np.prod(cells / (far - low))
-        texels = self.scale.colours.take(self.scale.level(density)[::-1], axis=0)  # y points up in the world, not on the screen
-        first, shapes = self._write(texels), []
         edges = np.array(
             [
                 camera.centre + (window[[0, 3]] - camera.middle) * (1, -1) / camera.scale,
                 camera.centre + (window[[2, 1]] - camera.middle) * (1, -1) / camera.scale,
             ]
         )
+        edge, first, past = size / cells, np.zeros(2, int), cells  # of the cells, numbered from the world's corner
+        if not box.bounded(world.boundary):  # as far as the cloud goes on, and can be seen
+            rim, seen = np.ceil(AWAY * cells), edges / edge
+            first = np.clip(np.floor(seen[0]) - BLUR, -rim, cells + rim - 1).astype(int)
+            past = np.clip(np.ceil(seen[1]) + BLUR, first + 1, cells + rim).astype(int)
+        low, far, cells = first * edge, past * edge, past - first
+        mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
+        density = _spread(counted(spots, low, far, cells), mode) * np.float32(np.prod(cells / (far - low)))
+        levels = self.scale.level(density)[::-1]  # y points up in the world, not on the screen
+        start, shapes = self._write(levels, self.scale.colours), []
         period = box.period(world.size[:2], world.boundary)
         seen = np.concatenate([edges[0] - size / 2, edges[1] + size / 2])
         _, shifts = images((size / 2)[None], seen[None], period[None])
         for shift in shifts:
             left, bottom = camera.place(low + shift)
             right, top = camera.place(far + shift)
-            shapes.append(cloud((left, top), (right, bottom), (int(cells[0]), int(cells[1])), first))
+            shapes.append(cloud((left, top), (right, bottom), (int(cells[0]), int(cells[1])), start))
         return shapes
 
     def _deep(self, spots: np.ndarray, many: int, scene: int, camera: Orbit, window: np.ndarray) -> list[np.ndarray]:
@@ -117,20 +121,26 @@ class Density:
         counted = screen.counted(near**2)
         haze = camera.haze(screen.counted(near**3) / np.maximum(counted, 1e-9))
         texels = self.scale.colours.take(self.scale.level(counted * camera.scale**2), axis=0) * (1 - haze).astype(np.float32)
-        return [*rows, cloud(screen.low, screen.high, screen.cells, self._write(texels))]
+        return [*rows, cloud(screen.low, screen.high, screen.cells, self._write(_one_each(texels), texels))]
 
     def _shadow(self, spots: np.ndarray, many: int, camera: Orbit, window: np.ndarray) -> np.ndarray:
         """Let the cloud's shadow fall on the ground."""
         fallen = _Screen(camera.place(spots[:, :2]), many, window)
         dark = self._theme.shadow_alpha * (1 - np.exp(-0.5 * fallen.averages()))[..., None]
         shade = np.concatenate([dark * self._theme["shadow"], dark], axis=2, dtype=np.float32)
-        return cloud(fallen.low, fallen.high, fallen.cells, self._write(shade))
+        return cloud(fallen.low, fallen.high, fallen.cells, self._write(_one_each(shade), shade))
 
-    def _write(self, texels: np.ndarray) -> int:
-        """Hand over texels [row, column, 4]; return the number of the first."""
-        first = sum(map(len, self._texels))
-        self._texels.append(texels.reshape(-1, 4))
+    def _write(self, cells: np.ndarray, colours: np.ndarray) -> int:
+        """Hand over cells [row, column], numbers of colours [..., 4]; return the number of the first."""
+        first = sum(each.size for each, _ in self._written)
+        own = cells if not self._written else cells + sum(len(each) for _, each in self._written)
+        self._written.append((own.ravel(), colours.reshape(-1, 4)))
         return first
+
+
+def _one_each(texels: np.ndarray) -> np.ndarray:
+    """Give each cell of texels [row, column, 4] a colour of its own: its number."""
+    return np.arange(texels[..., 0].size, dtype=np.int32).reshape(texels.shape[:2])
 
 
 class _Screen:
@@ -187,7 +197,11 @@ def _counted(places: np.ndarray, cells: np.ndarray, mode: str, weights: np.ndarr
     if not inside.all():
         x, y, weights = x[inside], y[inside], None if weights is None else weights[inside]
     number = y.astype(np.int64) * columns + x.astype(np.int64)
-    counts = np.bincount(number, weights, minlength=rows * columns).reshape(rows, columns)
+    return _spread(np.bincount(number, weights, minlength=rows * columns).reshape(rows, columns), mode)
+
+
+def _spread(counts: np.ndarray, mode: str) -> np.ndarray:
+    """Spread counts [row, column] over the cells around, with a rim of one cell; mode: as for `_counted`."""
     padded = np.pad(counts.astype(np.float32), BLUR // 2 + 1, mode=mode)  # type: ignore[call-overload]
     for _ in range(BLUR):
         padded = padded[1:] + padded[:-1]

@@ -98,10 +98,11 @@ class Scene:
         rows.append(self._overlays.below(here, camera, windows))
         if gone:
             rows += [self._fates.pulses(here, camera), self._fates.marks(here, camera)]
-        reach, paints = np.maximum(self._radius * camera.scale, self._least), self._paints(time)
+        reach = np.maximum(self._radius * camera.scale, self._least)
         if self.paths.trailed:
-            rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, paints)))
-        reach, paints = reach[here.who], paints[here.who]
+            everybody = self._paints(time, np.arange(self.paths.count))
+            rows.append(self._cut(*self._trails.drawn(here, camera, around, reach, everybody)))
+        reach, paints = reach[here.who], self._paints(time, here.who)
         if isinstance(camera, Orbit):
             reach = np.maximum(reach * here.near, SMALLEST)
             haze = camera.haze(here.near) * (1.0 if self._lone.all() else 0.4)  # clear before a cloud
@@ -137,11 +138,11 @@ class Scene:
             self._seen = camera, np.concatenate([low - rim, high + rim], axis=1)
         return self._seen[1]
 
-    def _paints(self, time: float) -> np.ndarray:
-        """Colour agents by the sub-swarm they belong to: [agent, channel], linear light."""
-        paths, group = self.paths, np.maximum(self.paths.groups(time), 0)
+    def _paints(self, time: float, agents: np.ndarray) -> np.ndarray:
+        """Colour some agents by the sub-swarm they belong to: [agent, channel], linear light."""
+        group = np.maximum(self.paths.groups(time)[agents], 0)
         paints = self._swatch[group % len(self._swatch)]
-        paints[paths.prey :] = colour(self.theme.predator)
+        paints[agents >= self.paths.prey] = colour(self.theme.predator)
         return paints
 
     def _cut(self, rows: np.ndarray, agents: np.ndarray) -> np.ndarray:

@@ -50,6 +50,15 @@ def test_trails_of_different_agents_are_blended_apart(canvas):
     assert light(canvas, np.concatenate([across, along]))[60, 80] == pytest.approx(0.75, abs=1e-6)
 
 
+def test_what_is_hidden_leaves_no_trace(canvas):
+    rng = np.random.default_rng(3)
+    below = shapes.discs(rng.uniform((0, 0), (200, 120), (400, 2)), 9, WHITE, 0.7)
+    lid = shapes.boxes((16, 16), (144, 96), (0.1, 0.2, 0.3))
+    over = shapes.discs(rng.uniform((30, 30), (130, 80), (12, 2)), 5, WHITE, 0.5)
+    whole, upper = (light(canvas, np.concatenate(rows))[16:96, 16:144] for rows in ([below, lid, over], [lid, over]))
+    assert (whole == upper).all()
+
+
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_dart_covers_its_polygon(canvas, offset):
     length, width, notch = 30.0, 20.0, 25.0

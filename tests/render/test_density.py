@@ -65,8 +65,7 @@ def test_across_the_edge_of_a_periodic_world_crowds_go_on():
 def test_a_cloud_blends_between_its_texels():
     atlas = Atlas()
     canvas = Canvas((64, 48), atlas, yuv=False)
-    opacity = np.array([0, 0, 1, 1], np.float32)  # a rim, two cells, a rim
-    atlas.texels = np.tile(np.stack([opacity, opacity, opacity, opacity], axis=1), (3, 1))
+    atlas.take([np.array([0, 0, 1, 1] * 3, np.int32)], [np.array([[0] * 4, [1] * 4], np.float32)])  # a rim, two cells, a rim
     canvas.lay((0.0, 0.0, 0.0), shapes.cloud((12, 8), (52, 40), (2, 1), 0))
     light = canvas.light()[..., 0]
     assert not light[:8].any()

@@ -22,11 +22,11 @@ def run(kernel: Any, *arguments: Any, precision: Precision | None = None) -> Non
         kernel(*arguments)
 
 
-def prepared(kernel: Any, *arguments: np.ndarray | int, precision: Precision) -> Callable[..., None]:
+def prepared(kernel: Any, *arguments: np.ndarray | int, precision: Precision | None) -> Callable[..., None]:
     """Give what runs a kernel on these arrays (contiguous ones, which stay where they are) and whole numbers.
 
-    It takes new values for the last of the numbers. precision: what the arrays were made in. Errors, of what is given: as
-    runtime.held.
+    It takes new values for the last of the numbers; a kernel's templates come last, as bool. precision: what the arrays were
+    made in, None where it does not matter. Errors, of what is given: as runtime.held.
     """
     bound: Callable[..., None]
     of = -1
@@ -54,7 +54,7 @@ def _bound(kernel: Any, arguments: tuple[np.ndarray | int, ...]) -> Callable[...
             call.set_arg_external_array_with_shape((at,), value.ctypes.data, value.nbytes, shape, 0)
         elif about.annotation == u32:
             call.set_arg_uint((at,), value)
-        else:
+        elif not isinstance(value, bool):
             call.set_arg_int((at,), value)
     program = impl.get_runtime().prog
     compiled = program.compile_kernel(program.config(), program.get_device_caps(), built)
