@@ -74,9 +74,12 @@ class Heading:
         one = words.say("lines.trial", number=str(subjects[0].trial))
         trials = one if shared else words.say("lines.trials", len(subjects))
         self.note = f"{trials} · {words.say('lines.seed', number=str(subjects[0].seed))}"
+        small = pixels(NOTE, unit)
+        widths = [(2 * SIGN + 26) * unit + width(fated(scene, fate), small) for fate in self.key]
+        self.beside = 26 * unit + width(self.note, small) + sum(widths) <= room - self.clock
         lines = len(self.title) * self.size * 1.12 + 12
-        if pixels(NOTE, unit) >= LEGIBLE:
-            lines += 1.3 * NOTE
+        if small >= LEGIBLE:
+            lines += 1.3 * NOTE * (1 if self.beside else 2)
         self.height = max(lines, 54) * unit if self.shown else 0.0
 
 
@@ -138,12 +141,13 @@ class Mosaic(Caption):
         y += 1.3 * NOTE * unit
         rows.append(self._write(head.note, INSET * unit, y, NOTE, "quiet"))
         rows.append(self._write(self._words.unit("s"), self._right - INSET * unit, 42 * unit, 24, "quiet", "right"))
-        x = INSET * unit + width(head.note, self._px(NOTE)) + 26 * unit
+        x = INSET * unit + (width(head.note, self._px(NOTE)) + 26 * unit if head.beside else 0.0)
+        y += 0.0 if head.beside else 1.3 * NOTE * unit
         if self._px(NOTE) >= LEGIBLE:
             for fate in head.key:
                 name = fated(self._scene, fate)
                 wide = (2 * SIGN + 6) * unit + width(name, self._px(NOTE))
-                if x + wide > self._right - INSET * unit - head.clock:
+                if x + wide > self._right - INSET * unit:
                     break
                 rows.append(self._sign(fate, x + SIGN * unit, y - 5 * unit, SIGN * unit))
                 rows.append(self._write(name, x + (2 * SIGN + 6) * unit, y, NOTE, "quiet"))
