@@ -225,7 +225,7 @@ def test_a_slow_reader_gets_the_newest_frame_and_keeps_nobody_waiting(live):
         return held, (reader.frame["scene"], reader.frame["tick"])
 
     held, newest = live.read(deed)
-    assert newest[0] > held[0] or newest[1] > held[1] + 20
+    assert newest[0] > held[0] or newest[1] > held[1] + 5  # what was not sent would be the next, or the one after
 
 
 def test_ctrl_c_ends_all_of_it_without_a_word():

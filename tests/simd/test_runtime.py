@@ -101,10 +101,12 @@ bits()
     assert "of which a process has one" in errors[0]
 
 
-def test_results_do_not_depend_on_variables_that_taichi_reads():
-    _, expected, _ = run("print(bits())")
+def test_results_do_not_depend_on_variables_that_taichi_reads(tmp_path):
+    kept, none = {"TI_OFFLINE_CACHE_FILE_PATH": str(tmp_path / "kept")}, {"TI_OFFLINE_CACHE_FILE_PATH": str(tmp_path / "none")}
+    _, expected, _ = run("print(bits())", **kept)
     odd = {"TI_FAST_MATH": "1", "TI_DEBUG": "1", "TI_DEFAULT_IP": "64", "TI_ARCH": "cuda", "TI_OPT_LEVEL": "1"}
-    assert run("print(bits())", **odd)[:2] == (0, expected)
+    assert run("print(bits())", **odd, **none, TI_OFFLINE_CACHE="0")[:2] == (0, expected)
+    assert [any((tmp_path / each).iterdir()) for each in ("kept", "none")] == [True, False]
 
 
 def test_a_swarm_begun_in_another_precision_is_refused_in_one_line():

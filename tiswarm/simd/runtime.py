@@ -37,6 +37,10 @@ are whole blocks of work runs over `blocks * TASK` and acts on every TASK-th ind
 MOST_COMPILED = 48
 """With so many kernels compiled Taichi is started anew before more are built: it frees none by itself, some MiB each."""
 
+MOST_KEPT = 512 << 20
+"""Bytes of compiled kernels that are kept on disk, the latest used of them: some 2 000. Taichi keeps 100 MiB if it is not told:
+a study of many strategies needs more, and so do the tests; kernels were thrown away before they were asked for again."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -97,6 +101,7 @@ def _begin(wanted: Settings) -> None:
         )
     _forget()
     folder, keeping, told = kernel_cache.choose()
+    keeping = keeping and os.environ.get("TI_OFFLINE_CACHE", "") != "0"
     if told and _generation == 0:
         _tell(told)
     # fast_math off keeps results exact and repeatable. real_matrix_scalarize off hands vectors of lanes to LLVM whole, as
@@ -114,8 +119,9 @@ def _begin(wanted: Settings) -> None:
                 fast_math=False,
                 real_matrix_scalarize=False,
                 advanced_optimization=False,
-                offline_cache=keeping and os.environ.get("TI_OFFLINE_CACHE", "") != "0",
+                offline_cache=keeping,
                 offline_cache_file_path=folder,
+                offline_cache_max_size_of_files=MOST_KEPT,
                 log_level=ti.ERROR,
             )
         except RuntimeError as error:
