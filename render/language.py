@@ -132,7 +132,8 @@ class Language:
     def _written(self, number: float, pattern: str) -> str:
         from babel.numbers import format_decimal
 
-        return str(format_decimal(number, format=pattern, locale=self._locale, numbering_system="default"))
+        # Digits are what they are everywhere in a film, so separators must be those that go with them.
+        return str(format_decimal(number, format=pattern, locale=self._locale, numbering_system="latn"))
 
     def _category(self, count: int) -> str:
         if self._locale is None:
