@@ -63,9 +63,8 @@ class Histogram(Caption):
         rows.append(boxes((plot.left, plot.bottom), (plot.right, plot.bottom + 1.2 * unit), self._theme["line"], 0.4))
         base = plot.bottom + (LEVEL + 5) * unit
         for count, align in ((0, "left"), (self._prey, "right")):
-            rows.append(
-                self._write(self._words.whole(count), plot.left if count == 0 else plot.right, base, LEVEL, "quiet", align)
-            )
+            x = plot.left if count == 0 else plot.right
+            rows.append(self._write(self._words.whole(count), x, base, LEVEL, "quiet", align))
         return rows
 
     def frame(self, time: float) -> list[np.ndarray]:

@@ -61,12 +61,18 @@ class _Turned:
 
 def _moment(moment: Moment, width: float) -> Swarm:
     place, way = _places(moment.position, width), _ways(moment.velocity)
-    return Swarm(place, way, moment.fate, moment.state, moment.group)
+    return Swarm(place, way, moment.fate, moment.state, moment.group, judged=_judged(moment, width))
 
 
 def _swarm(swarm: Swarm, width: float) -> Swarm:
-    judged = None if swarm.judged is None else _places(swarm.judged, width)
-    return replace(swarm, position=_places(swarm.position, width), velocity=_ways(swarm.velocity), judged=judged)
+    place, way = _places(swarm.position, width), _ways(swarm.velocity)
+    return replace(swarm, position=place, velocity=way, judged=_judged(swarm, width))
+
+
+def _judged(swarm: Moment, width: float) -> np.ndarray | None:
+    """Turn the places where contacts were judged, which recordings know."""
+    places = getattr(swarm, "judged", None)
+    return None if places is None else _places(places, width)
 
 
 def _places(places: np.ndarray, width: float) -> np.ndarray:
