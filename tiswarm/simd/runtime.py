@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tiswarm.simd import backend, kernel_cache
+from tiswarm.simd import backend, kernel_cache, width
 from tiswarm.simd.threads import available_threads, check_threads
 
 Precision = Literal["f32", "f64"]
@@ -27,8 +27,11 @@ Precision = Literal["f32", "f64"]
 Func = Callable[..., Any]
 """A func or kernel of Taichi, or what builds one: typed by how it is called."""
 
-LANES = 8
-"""Trials (or agents) that one thread carries in lock-step; 8 beat 4 and 16 (CONTRIBUTING, "How a kernel becomes fast")."""
+LANES = width.lanes()
+"""Trials (or agents) that one thread carries in lock-step: 8, or 16 where vectors are wide enough (width.py)."""
+
+EIGHT = 8
+"""Numbers in which sums over the agents of a swarm are kept on every machine, so that their order is everywhere the same."""
 
 TASK = 512
 """Taichi deals a parallel loop out to threads 512 iterations at a time, whatever `block_dim` says: a loop whose iterations
@@ -250,15 +253,17 @@ def _refuse_forks() -> None:
 class Types:
     """What kernels of the running precision are built from.
 
-    real, dtype: a number in Taichi and in NumPy; lanes, integer_lanes: LANES of them in one value;
-    lane_array(n): a kernel argument of `lanes` with n indices.
+    real, dtype: a number in Taichi and in NumPy; lanes, integer_lanes: LANES of them in one value; eight: EIGHT of them;
+    lane_array(n), eight_array: kernel arguments of `lanes` with n indices, of `eight` with one.
     """
 
     real: Any
     dtype: Any
     lanes: Any
     integer_lanes: Any
+    eight: Any
     lane_array: Callable[[int], Any]
+    eight_array: Any
 
 
 def types() -> Types:
@@ -267,19 +272,22 @@ def types() -> Types:
 
     double = start().precision == "f64"
     real: Any = ti.f64 if double else ti.f32
-    lanes = ti.types.vector(LANES, real)
+    lanes, eight = ti.types.vector(LANES, real), ti.types.vector(EIGHT, real)
     return Types(
         real=real,
         dtype=np.float64 if double else np.float32,
         lanes=lanes,
         integer_lanes=ti.types.vector(LANES, ti.u32),
+        eight=eight,
         lane_array=lambda n: ti.types.ndarray(dtype=lanes, ndim=n),
+        eight_array=ti.types.ndarray(dtype=eight, ndim=1),
     )
 
 
 def aligned(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
-    """Allocate zeros at a 64-byte boundary, which whole-vector loads of lanes need and NumPy does not promise."""
+    """Allocate zeros at a boundary of lanes in f64, which whole-vector loads need and NumPy does not promise."""
     bytes_needed = int(np.prod(shape)) * np.dtype(dtype).itemsize
-    buffer = np.zeros(bytes_needed + 64, np.uint8)
-    offset = -buffer.ctypes.data % 64
+    wide = LANES * 8
+    buffer = np.zeros(bytes_needed + wide, np.uint8)
+    offset = -buffer.ctypes.data % wide
     return buffer[offset : offset + bytes_needed].view(dtype).reshape(shape)

@@ -21,6 +21,7 @@ class CellIndex:
     """From positions to cells and their places."""
 
     cells_of: Func  # give the cell along each of three axes, 0 along one that the world does not have
+    along_of: Func  # give the cells of lanes along one axis
     place_of: Func  # give the place of a position in its trial's table
     places_of: Func
     image_of: Func  # tell in which image of a periodic world a cell lies: -1, 0 or 1
@@ -63,13 +64,18 @@ def build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: t
         return place
 
     @ti.func
+    def along_of(x, axis: ti.template(), whole: ti.template(), reals: ti.template()):
+        """Give the cells of lanes along an axis; Taichi converts numbers one by one, LLVM puts them together again."""
+        wide = doubles([ti.cast(x[lane], ti.f64) for lane in ti.static(range(LANES))])
+        cell = possible(wide * reals[PER_METRE + axis], axis, whole)
+        return integers([ti.cast(cell[lane], ti.i32) for lane in ti.static(range(LANES))])
+
+    @ti.func
     def places_of(p, whole: ti.template(), reals: ti.template()):
-        """Give the places of the positions of lanes; Taichi converts numbers one by one, LLVM puts them together again."""
+        """Give the places of the positions of lanes."""
         places = integers(0)
         for axis in ti.static(range(dimensions)):
-            wide = doubles([ti.cast(p[axis][lane], ti.f64) for lane in ti.static(range(LANES))])
-            cell = possible(wide * reals[PER_METRE + axis], axis, whole)
-            along = integers([ti.cast(cell[lane], ti.i32) for lane in ti.static(range(LANES))])
+            along = along_of(p[axis], axis, whole, reals)
             if ti.static(axis > 0):
                 along *= whole[STRIDE_Y + axis - 1]
             places += along
@@ -102,6 +108,7 @@ def build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: t
 
     return CellIndex(
         cells_of=cells_of,
+        along_of=along_of,
         place_of=place_of,
         places_of=places_of,
         image_of=image_of,

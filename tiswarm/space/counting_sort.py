@@ -121,7 +121,7 @@ def _tables(row: Any) -> _Tables:
     def running(counts):
         """Give the sum of each number and those before it."""
         sums = counts
-        for step in ti.static((1, 2, 4)):
+        for step in ti.static([1 << k for k in range(LANES.bit_length() - 1)]):
             sums += row([0] * step + [sums[k] for k in ti.static(range(LANES - step))])
         return sums
 

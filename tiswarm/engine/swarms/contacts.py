@@ -140,9 +140,8 @@ def _touches(parts: _Parts, kind: str, opponents: str) -> Func:
             view = Bundle(found=found, crowd=crowds.of(opponents), travel=travel, numbers=numbers, reach=reach, trial=trial)
             walk(view, place(me), crowds.of(opponents), trial)
             hit = moved * scratch[a + rows.alive] * found[0]
-            for lane in ti.static(range(LANES)):
-                if block * LANES + lane < end:
-                    crowd.marks[block * LANES + lane] = hit[lane]
+            for lane in range(end - block * LANES):
+                crowd.marks[block * LANES + lane] = hit[lane]
 
     return _by_chunk(parts, kind, touch_block)
 
@@ -168,12 +167,11 @@ def _settles(parts: _Parts) -> Func:
             rules.die(scratch, a, captured, CAPTURED)
             arrived = rules.arrive(scratch, a, me, lanes(moved), see.target_of(numbers, 0), numbers, 0)
             alive = scratch[a + rows.alive]
-            for lane in ti.static(range(LANES)):
-                if block * LANES + lane < end:
-                    tally[block * 4] += ti.cast(alive[lane], ti.i32)
-                    tally[block * 4 + 1] += ti.cast(arrived[lane], ti.i32)
-                    tally[block * 4 + 2] += ti.cast(captured[lane], ti.i32)
-                    tally[block * 4 + 3] += 1 - ti.cast(was[lane], ti.i32)
+            for lane in range(end - block * LANES):
+                tally[block * 4] += ti.cast(alive[lane], ti.i32)
+                tally[block * 4 + 1] += ti.cast(arrived[lane], ti.i32)
+                tally[block * 4 + 2] += ti.cast(captured[lane], ti.i32)
+                tally[block * 4 + 3] += 1 - ti.cast(was[lane], ti.i32)
             ferry.save_rows(scratch, a, prey, prey.count, block, end)
 
     @ti.func

@@ -40,13 +40,9 @@ def build(funcs: Any, types: Types, dim: int, meet: Callable[..., Any]) -> Func:
     def cross(view: ti.template(), p: ti.template(), crowd: ti.template(), trial):
         """Let lanes at p meet all within reach, together where they are close to each other, else one by one."""
         whole = ti.static(crowd.whole)
-        first = funcs.cells_of([p[k][0] for k in ti.static(range(dim))], whole, crowd.reals)
-        low = ti.Vector([first[0], first[1], first[2]])
-        high = ti.Vector([first[0], first[1], first[2]])
-        for lane in ti.static(range(1, LANES)):
-            cells = funcs.cells_of([p[k][lane] for k in ti.static(range(dim))], whole, crowd.reals)
-            for k in ti.static(range(3)):
-                low[k], high[k] = ti.min(low[k], cells[k]), ti.max(high[k], cells[k])
+        cells = [funcs.along_of(p[k], k, whole, crowd.reals) for k in ti.static(range(dim))]
+        low = ti.Vector([each.min() for each in ti.static(cells)] + [0] * ti.static(3 - dim))
+        high = ti.Vector([each.max() for each in ti.static(cells)] + [0] * ti.static(3 - dim))
         close = together(whole, low, high)
         reach = ti.Vector([whole[REACH_X], whole[REACH_X + 1], whole[REACH_X + 2]])
         for part in range(ti.select(close == 1, 1, LANES)):
@@ -54,11 +50,8 @@ def build(funcs: Any, types: Types, dim: int, meet: Callable[..., Any]) -> Func:
             if close == 0:
                 lane = lanes([float(number) for number in ti.static(range(LANES))])
                 here[0] = ti.select(lane == ti.cast(part, real), p[0], FAR)
-                for lane_of in ti.static(range(LANES)):
-                    if lane_of == part:
-                        cells = funcs.cells_of([p[k][lane_of] for k in ti.static(range(dim))], whole, crowd.reals)
-                        for k in ti.static(range(3)):
-                            low[k], high[k] = cells[k], cells[k]
+                for k in ti.static(range(dim)):
+                    low[k], high[k] = cells[k][part], cells[k][part]
             box(view, here, crowd.agents, whole, crowd.reals, trial, low - reach, high + reach)
 
     return cross

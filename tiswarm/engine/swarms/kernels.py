@@ -145,7 +145,7 @@ def build(
         remember=_revises(parts, "prey", remember),
         drift_prey=_drifts(parts, "prey"),
         drift_predators=_drifts(parts, "predators"),
-        **vars(means.build(layout, types, see, near, carried["prey"].number_in)),
+        **vars(means.build(layout, types, near, carried["prey"].number_in)),
         starts=driven.memories.starts or "prey" in frame.unicycles,
         remembers=driven.memories.remembers,
         ranks=any(p.strategy.leads for p in strategies) or bool(layout.parts("predators", "strategy", "observe")),

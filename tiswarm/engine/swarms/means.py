@@ -6,14 +6,12 @@ from typing import Any
 import taichi as ti
 
 from tiswarm.dynamics.table import ParameterTable
-from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import motion, place
-from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.simd.runtime import EIGHT, TASK, Func, Types
 from tiswarm.space import box_lanes
 from tiswarm.space.cells import SLOTS, TRIALS
 
 PIECE = 128
-"""Blocks whose sums are added up first: the order of summation does not depend on threads."""
+"""Rows of eight slots whose sums are added up first: the order of summation does not depend on threads or lanes."""
 
 NOBODY = 1e15
 """What is larger than any agent's number."""
@@ -27,12 +25,12 @@ class MeanKernels:
     rank: Func  # write which slot the agent of each number is in
 
 
-def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in: Any) -> MeanKernels:
+def build(layout: ParameterTable, types: Types, near: Any, number_in: Any) -> MeanKernels:
     """Build the kernels `average` and `rank`. number_in: the func that gives the number of the prey in a slot.
 
     Where sight wraps, places are those nearest to the first prey that is alive, as in `perception.swarm_of`.
     """
-    lanes, real = types.lanes, types.real
+    eight, real = types.eight, types.real
     dim, size = len(layout.axes), layout.at.size
     wrapping = layout.structure.frame.wrap_sight
     rows, told = 2 * dim + 1, 2 * dim + 2
@@ -57,8 +55,8 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
             if number < least:
                 least = number
                 found = ti.cast(slot, real)
-        sums[piece * rows] = lanes(least)
-        sums[piece * rows + 1] = lanes(found)
+        sums[piece * rows] = eight(least)
+        sums[piece * rows + 1] = eight(found)
 
     @ti.func
     def put_origin(agents: ti.template(), sums: ti.template(), means: ti.template(), trial, pieces):
@@ -78,33 +76,30 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
     def sum_up(
         agents: ti.template(), sums: ti.template(), means: ti.template(), numbers: ti.template(), piece, at, first, past, end,
     ):  # fmt: skip
-        """Write the sums over the blocks `first` to `past` of a piece. at: where its trial's means begin."""
-        own = see.Swarm(*[lanes(0.0) for _ in ti.static(range(told))])
-        for block in range(first, past):
-            s = block * LANES
-            here = lanes([ti.select(s + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))])
-            own.n += here
-            for k in ti.static(range(dim)):
-                x = lanes([place_of(agents, means, numbers, s + lane, at, k) for lane in ti.static(range(LANES))])
-                place(own)[k] += here * x
-                motion(own)[k] += here * lanes([agents[s + lane][dim + k] for lane in ti.static(range(LANES))])
-        row = piece * rows
-        sums[row] = own.n
-        for k in ti.static(range(dim)):
-            sums[row + 1 + k] = place(own)[k]
-            sums[row + 1 + dim + k] = motion(own)[k]
+        """Write the sums over the rows `first` to `past` of a piece. at: where its trial's means begin."""
+        own = [eight(0.0) for _ in ti.static(range(rows))]
+        for row in range(first, past):
+            s = row * EIGHT
+            here = eight([ti.select(s + k < end, real(1.0), real(0.0)) for k in ti.static(range(EIGHT))])
+            own[0] += here
+            for axis in ti.static(range(dim)):
+                x = eight([place_of(agents, means, numbers, s + k, at, axis) for k in ti.static(range(EIGHT))])
+                own[1 + axis] += here * x
+                own[1 + dim + axis] += here * eight([agents[s + k][dim + axis] for k in ti.static(range(EIGHT))])
+        for k in ti.static(range(rows)):
+            sums[piece * rows + k] = own[k]
 
     @ti.func
     def put_means(sums: ti.template(), means: ti.template(), trial, pieces):
         """Write a trial's means from the sums of its pieces."""
         at = trial * told
-        count = lanes(0.0)
+        count = eight(0.0)
         for piece in range(trial * pieces, (trial + 1) * pieces):
             count += sums[piece * rows]
         means[at] = count.sum()
         share = 1.0 / ti.max(means[at], 1.0)
         for k in ti.static(range(2 * dim)):
-            total = lanes(0.0)
+            total = eight(0.0)
             for piece in range(trial * pieces, (trial + 1) * pieces):
                 total += sums[piece * rows + 1 + k]
             mean = share * total.sum()
@@ -114,27 +109,27 @@ def build(layout: ParameterTable, types: Types, see: Views, near: Any, number_in
 
     @ti.kernel
     def average(
-        agents: near.prey.agent_array, whole: whole_array, sums: types.lane_array(1), means: cold_array,
+        agents: near.prey.agent_array, whole: whole_array, sums: types.eight_array, means: cold_array,
         numbers: types.lane_array(1),
     ):  # fmt: skip
-        """Write the means of each trial. sums: rows of lanes, some for each piece; means: [trial * row]."""
-        blocks = whole[SLOTS] // LANES
-        pieces = (blocks + PIECE - 1) // PIECE
+        """Write the means of each trial. sums: rows of eight, some for each piece; means: [trial * row]."""
+        height = whole[SLOTS] // EIGHT
+        pieces = (height + PIECE - 1) // PIECE
         if ti.static(wrapping):
             for index in range(pieces * whole[TRIALS] * TASK):
                 if index % TASK == 0:
                     piece = index // TASK
                     trial = piece // pieces
-                    first = (trial * blocks + piece % pieces * PIECE) * LANES
-                    find_first(whole, sums, piece, first, ti.min(first + PIECE * LANES, near.prey.alive_end(whole, trial)))
+                    first = (trial * height + piece % pieces * PIECE) * EIGHT
+                    find_first(whole, sums, piece, first, ti.min(first + PIECE * EIGHT, near.prey.alive_end(whole, trial)))
             for trial in range(whole[TRIALS]):
                 put_origin(agents, sums, means, trial, pieces)
         for index in range(pieces * whole[TRIALS] * TASK):
             if index % TASK == 0:
                 piece = index // TASK
                 trial = piece // pieces
-                first = trial * blocks + piece % pieces * PIECE
-                past, end = ti.min(first + PIECE, (trial + 1) * blocks), near.prey.alive_end(whole, trial)
+                first = trial * height + piece % pieces * PIECE
+                past, end = ti.min(first + PIECE, (trial + 1) * height), near.prey.alive_end(whole, trial)
                 sum_up(agents, sums, means, numbers, piece, trial * told, first, past, end)
         for trial in range(whole[TRIALS]):
             put_means(sums, means, trial, pieces)

@@ -14,13 +14,13 @@ from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.engine.swarms.transfer import LOOP, share_of
 from tiswarm.measures import formulas, traps
-from tiswarm.simd.lanes import Bundle
-from tiswarm.simd.runtime import LANES, TASK, Func, Types
+from tiswarm.simd.lanes import Bundle, larger
+from tiswarm.simd.runtime import EIGHT, LANES, TASK, Func, Types
 from tiswarm.space.cell_list import CellFuncs
 from tiswarm.space.cells import HEAD, SLOTS, TRIALS
 
-PIECE = 16
-"""Blocks whose sums are added up first: the order of summation does not depend on threads."""
+PIECE = 128
+"""Slots whose sums are added up first: the order of summation does not depend on threads or lanes."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Pieces:
 
     motion: Func  # a column for each of formulas.add_motion's sums
     spin: Func  # three columns
-    pieces: Callable[..., Func]  # how many columns, and a func that adds a block to them -> kernel
+    pieces: Callable[..., Func]  # how many columns, a func that adds a block to them, and columns that are maxima -> kernel
     body_of: Func  # a block's agents
 
 
@@ -38,7 +38,7 @@ def build_pieces(layout: ParameterTable, types: Types, near: CellFuncs) -> Piece
 
     near: the funcs of the prey's grid. Kernels take its arrays, numbers, centres ([trial * dim], m) and sums: [piece * column].
     """
-    lanes, real = types.lanes, types.real
+    lanes, eight, real = types.lanes, types.eight, types.real
     dim = len(layout.axes)
     names = [*"xyz"[:dim], *(f"v{axis}" for axis in "xyz"[:dim]), "alive"]
     Body = ti.types.struct(**dict.fromkeys(names, lanes))  # noqa: N806 - a type
@@ -54,25 +54,36 @@ def build_pieces(layout: ParameterTable, types: Types, near: CellFuncs) -> Piece
         alive = [ti.select(first + lane < end, real(1.0), real(0.0)) for lane in ti.static(range(LANES))]
         return Body(*state, lanes(alive))
 
-    def pieces(columns: int, add: Callable[..., Any]):
+    @ti.func
+    def fold(own: ti.template(), told: ti.template(), greatest: ti.template()):
+        """Add a block's lanes to sums in eights, eight slots after the other."""
+        for part in ti.static(range(LANES // EIGHT)):
+            for k in ti.static(range(len(own))):
+                here = eight([told[k][part * EIGHT + lane] for lane in ti.static(range(EIGHT))])
+                own[k] = larger(own[k], here) if ti.static(k in greatest) else own[k] + here
+
+    def pieces(columns: int, add: Callable[..., Any], greatest: tuple[int, ...] = ()):
         @ti.kernel
         def run(
             agents: near.agent_array, whole: ti.types.ndarray(dtype=ti.i32, ndim=1), reals: near.real_array,
-            numbers: types.lane_array(1), centres: ti.types.ndarray(dtype=real, ndim=1), sums: types.lane_array(1),
+            numbers: types.lane_array(1), centres: ti.types.ndarray(dtype=real, ndim=1), sums: types.eight_array,
         ):  # fmt: skip
             blocks = whole[SLOTS] // LANES
-            count = (blocks + PIECE - 1) // PIECE
+            piece_blocks = ti.static(PIECE // LANES)
+            count = (blocks + piece_blocks - 1) // piece_blocks
             for index in range(count * whole[TRIALS] * TASK):
                 if index % TASK == 0:
                     piece = index // TASK
                     trial = piece // count
-                    first = trial * blocks + piece % count * PIECE
+                    first = trial * blocks + piece % count * piece_blocks
                     here = Bundle(agents=agents, whole=whole, reals=reals, numbers=numbers, centres=centres, trial=trial)
-                    own = [lanes(0.0) for _ in ti.static(range(columns))]
-                    for block in range(first, ti.min(first + PIECE, (trial + 1) * blocks)):
+                    own = [eight(0.0) for _ in ti.static(range(columns))]
+                    for block in range(first, ti.min(first + piece_blocks, (trial + 1) * blocks)):
                         end = ti.min((block + 1) * LANES, near.alive_end(whole, trial))
                         if end > block * LANES:
-                            add(own, here, body_of(agents, block, end), block, end)
+                            told = [lanes(0.0) for _ in ti.static(range(columns))]
+                            add(told, here, body_of(agents, block, end), block, end)
+                            fold(own, told, greatest)
                     for k in ti.static(range(columns)):
                         sums[piece * columns + k] = own[k]
 

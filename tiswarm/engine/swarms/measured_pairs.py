@@ -123,7 +123,7 @@ def build_pairs(layout: ParameterTable, types: Types, near: CellFuncs, pieces: C
         own[1] += 0.5 * body.alive * energy[0]
         own[2] = larger(own[2], body.alive / ti.sqrt(safe(least[0])))
 
-    return pieces(3, add_pairs)
+    return pieces(3, add_pairs, greatest=(2,))
 
 
 @dataclass(frozen=True)

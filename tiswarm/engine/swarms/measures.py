@@ -22,7 +22,7 @@ from tiswarm.scenario.model import Scenario
 from tiswarm.simd import runtime
 from tiswarm.simd.lanes import TINY
 from tiswarm.simd.launch import prepared
-from tiswarm.simd.runtime import LANES, Func
+from tiswarm.simd.runtime import EIGHT, LANES, Func
 from tiswarm.space.cell_list import Grid
 
 MOTION = {"polarisation", "milling", "speed", "settling-time", "kinetic"}
@@ -44,9 +44,9 @@ class Measures:
         self._kernels = _kernels(self._layout, swarm.grid, self._search)
         self._ready: dict[str, Callable[..., None]] = {}
         trials, dim = swarm.trials, scenario.world.dim
-        pieces = -(-swarm.grid.slots // LANES // measured_agents.PIECE)
+        pieces = -(-swarm.grid.slots // measured_agents.PIECE)
         self._sums = {
-            name: runtime.aligned((trials * pieces * columns, LANES), types.dtype)
+            name: runtime.aligned((trials * pieces * columns, EIGHT), types.dtype)
             for name, columns in (("motion", AHEAD + 2 * dim), ("spin", 3), ("pairs", 3))
         }
         self._centres = np.zeros(trials * dim, types.dtype)
@@ -226,7 +226,7 @@ class Measures:
         grid, sums = self._swarm.grid, self._sums[name]
         self._launch(name, grid.agents, grid.whole, grid.reals, self._numbers, self._centres, sums)
         columns = {"motion": AHEAD + 2 * self._scenario.world.dim, "spin": 3, "pairs": 3}[name]
-        return sums.reshape(grid.trials, -1, columns, LANES).astype(np.float64)
+        return sums.reshape(grid.trials, -1, columns, EIGHT).astype(np.float64)
 
     def _launch(self, name: str, *arguments: np.ndarray | int) -> None:
         if name not in self._ready:

@@ -14,7 +14,7 @@ from tiswarm.engine.swarms.population import Population, space_of
 from tiswarm.scenario.model import Scenario
 from tiswarm.simd import philox, runtime
 from tiswarm.simd.launch import prepared
-from tiswarm.simd.runtime import LANES
+from tiswarm.simd.runtime import EIGHT, LANES
 from tiswarm.space.cell_list import Grid
 
 SMALL = 2_048
@@ -47,8 +47,8 @@ class SwarmState:
         self._numbers = initial.numbers_of(scenario, layout)
         self._scratch = runtime.aligned((transfer.CHUNKS * transfer.scratch_rows(layout), LANES), types.dtype)
         prey = self._prey.grid
-        dim, pieces = scenario.world.dim, -(-prey.slots // LANES // means.PIECE)
-        self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), LANES), types.dtype)
+        dim, pieces = scenario.world.dim, -(-prey.slots // EIGHT // means.PIECE)
+        self._sums = runtime.aligned((pieces * trials * (2 * dim + 1), EIGHT), types.dtype)
         self._means = np.zeros(trials * (2 * dim + 2), types.dtype)
         self._order = np.zeros(trials * max(prey.count, 1), np.int32)
         self._marks = [np.zeros(crowd.grid.total, types.dtype) for crowd in (self._prey, self._predators)]

@@ -85,20 +85,17 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
     def save_rows(scratch: ti.template(), a, crowd: ti.template(), count, block, end):
         """Write the cold rows of a block's agents back."""
         trial = block * LANES // crowd.whole[SLOTS]
-        for lane in ti.static(range(LANES)):
-            slot = block * LANES + lane
-            if slot < end:
-                at = (trial * count + number_in(crowd.whole, slot)) * wide
-                for k in ti.static(range(wide)):
-                    crowd.cold[at + k] = scratch[a + kept[k]][lane]
+        for lane in range(ti.min(end - block * LANES, LANES)):
+            at = (trial * count + number_in(crowd.whole, block * LANES + lane)) * wide
+            for k in ti.static(range(wide)):
+                crowd.cold[at + k] = scratch[a + kept[k]][lane]
 
     @ti.func
     def save_shown(scratch: ti.template(), a, crowd: ti.template(), block, end):
         """Write what agents show of their memory into their records."""
-        for lane in ti.static(range(LANES)):
-            if block * LANES + lane < end:
-                for k in ti.static(range(len(shown))):
-                    crowd.agents[block * LANES + lane][2 * dim + k] = scratch[a + shown[k]][lane]
+        for lane in range(ti.min(end - block * LANES, LANES)):
+            for k in ti.static(range(len(shown))):
+                crowd.agents[block * LANES + lane][2 * dim + k] = scratch[a + shown[k]][lane]
 
     def saves(near: Any):
         @ti.func
