@@ -26,7 +26,7 @@ from tiswarm.engine.finite import STRANGE
 from tiswarm.engine.trials import contacts, tick
 from tiswarm.measures import running
 from tiswarm.simd import runtime
-from tiswarm.simd.lanes import Bundle, bounded, row_of
+from tiswarm.simd.lanes import Bundle, anywhere, bounded, row_of
 from tiswarm.simd.runtime import LANES, TASK, Func, Types
 
 OUTCOMES = {
@@ -118,8 +118,8 @@ def _replace(layout: ParameterTable, types: Types, starts: spawn.Starts, measure
         """Refill lanes whose trials have ended, as long as the queue holds any, and draw the starts of what came in."""
         b = block.b
         clock = ti.static(block.clock)
-        ended = clock[b, DONE].max() > 0.5
-        waiting = clock[b, ON].min() < 0.5 and work.queue[0] < work.queue[1]
+        ended = anywhere(clock[b, DONE] > 0.5)
+        waiting = anywhere(clock[b, ON] < 0.5) and work.queue[0] < work.queue[1]
         if ti.static(patience > 1):
             waiting = waiting and idle_of(clock, b) >= patience
         if ended or waiting:
@@ -153,7 +153,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         clock, integer = ti.static(block.clock, block.integer)
         replace(block, work)
         after = -1
-        if clock[b, ON].max() > 0.5:
+        if anywhere(clock[b, ON] > 0.5):
             meetings.judge(block)
             measures.measure(block.prey, block.numbers, clock, block.sums, block.ground, b, block.counts)
             if left > 0:
