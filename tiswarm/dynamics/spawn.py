@@ -1,20 +1,22 @@
-"""Spawn: draw a trial's start state from its scenario, seed and number."""
+"""Spawn: draw a trial's start state from its scenario, seed and number.
+
+Trials begin one by one, now in this lane, now in that: each is drawn with its agents in the lanes, as many at a time as there
+are, which takes a fraction of what all lanes take that draw one agent after the other for one of them.
+"""
 
 from dataclasses import dataclass
 
 import taichi as ti
 
+from tiswarm.dynamics import obstacle_spawn
+from tiswarm.dynamics.obstacle_spawn import TRIES
 from tiswarm.dynamics.rows import STAYS, TRIAL
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import FAR
 from tiswarm.simd import philox
-from tiswarm.simd.lanes import anywhere, capped, dot, larger, smaller
-from tiswarm.simd.runtime import Func, Types
+from tiswarm.simd.lanes import anywhere, capped, dot, smaller
+from tiswarm.simd.runtime import LANES, Func, Types
 from tiswarm.space import box, box_lanes
-
-TRIES = 32
-"""Draws until a place is inside a ball or clear of others. One ball in 10¹⁰ needs more, and takes its centre; an obstacle that
-finds no clear place in so many is left out, an agent that finds none apart from the others takes the farthest."""
 
 
 @dataclass(frozen=True)
@@ -22,15 +24,8 @@ class AgentStarts:
     """How the agents of one kind start."""
 
     drawn: Func
-    spawn: Func
-
-
-@dataclass(frozen=True)
-class ObstacleStarts:
-    """Where obstacles lie when a trial starts."""
-
-    drawn: Func
-    spawn: Func
+    begin: Func
+    place: Func
 
 
 @dataclass(frozen=True)
@@ -94,6 +89,7 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
     group = 0 if kind == "prey" else 1
     purpose = (philox.PREY, philox.PREDATORS)[group]
     cleared = [*rows.travel, *([rows.corrected] if frame.safety else [])]
+    order = list(range(LANES))
 
     @ti.func
     def ball_shares(key_low, key_high, trial, index):
@@ -156,16 +152,36 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
             attempt += 1
 
     @ti.func
-    def spawn(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-        n = b * width
+    def place(agents: ti.template(), count, numbers: ti.template(), one, b, lane, trial, key_low, key_high):
+        """Put the agents of one lane's trial where they start. one: the block whose lanes all have that trial's numbers."""
+        for part in range((count + LANES - 1) // LANES):
+            first = part * LANES
+            state = drawn(integers(order) + ti.cast(first, ti.u32), numbers, one, trial, key_low, key_high)
+            for j in range(ti.min(count - first, LANES)):
+                a = (b * count + first + j) * own_rows
+                for k in ti.static(range(dim)):
+                    agents[a + rows.place[k]][lane] = state[k][j]
+                    agents[a + rows.motion[k]][lane] = state[dim + k][j]
+
+    @ti.func
+    def place_apart(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
+        """Put agents where they start, one after the other, since each keeps off those before it."""
         for i in range(count):
             a = (b * count + i) * own_rows
             state = drawn(integers(ti.cast(i, ti.u32)), numbers, b, trial, key_low, key_high)
-            if ti.static(kind in frame.apart):
-                keep_apart(state, agents, b, count, i, numbers, fresh, trial, key_low, key_high)
+            keep_apart(state, agents, b, count, i, numbers, fresh, trial, key_low, key_high)
             for k in ti.static(range(dim)):
                 store(agents, a + rows.place[k], fresh, state[k])
                 store(agents, a + rows.motion[k], fresh, state[dim + k])
+
+    @ti.func
+    def begin(agents: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
+        """Let the agents of fresh lanes be there, and know nothing yet."""
+        n = b * width
+        if ti.static(kind in frame.apart):
+            place_apart(agents, count, numbers, b, trial, fresh, key_low, key_high)
+        for i in range(count):
+            a = (b * count + i) * own_rows
             exists = ti.select(numbers[n + columns.count] > ti.cast(i, types.real) + 0.5, 1.0, 0.0)
             store(agents, a + rows.alive, fresh, exists)
             store(agents, a + rows.fate, fresh, lanes(float(STAYS)))
@@ -176,99 +192,46 @@ def _agents(layout: ParameterTable, types: Types, kind: str, draw_shares: Func, 
             for row in range(rows.count, own_rows):  # the strategies' memory
                 store(agents, a + row, fresh, lanes(0.0))
 
-    return AgentStarts(drawn=drawn, spawn=spawn)
-
-
-def _obstacles(layout: ParameterTable, types: Types, uniform: Func, within: Func) -> ObstacleStarts:
-    """Build the funcs that lay a trial's obstacles out."""
-    lanes, integers = types.lanes, types.integer_lanes
-    at, dim, frame = layout.at, len(layout.axes), layout.structure.frame
-    width = len(layout.paths)
-    region, radius = at.obstacles.region, at.obstacles.radius
-
-    @ti.func
-    def obstacle_shares(key_low, key_high, trial, index, attempt):
-        """Draw shares of the sides of the obstacles' region and, behind them, of the range of radii."""
-        a, b, c, d = uniform(key_low, key_high, trial, philox.OBSTACLES, index, integers(ti.cast(attempt, ti.u32)))
-        return ti.static([a, b, c, d][: dim + 1])
-
-    @ti.func
-    def is_clear(centre: ti.template(), size, numbers: ti.template(), b):
-        """Tell whether a disc keeps off the target and off the region where prey start."""
-        n = b * width
-        low, high = ti.static(at.prey.region.low, at.prey.region.high)
-        outside = [
-            larger(larger(numbers[n + low[k]] - centre[k], centre[k] - numbers[n + high[k]]), 0.0)
-            for k in ti.static(range(dim))
-        ]
-        clear = dot(outside, outside) > size * size
-        if ti.static(frame.targeted):
-            way = [centre[k] - numbers[n + at.target.place[k]] for k in ti.static(range(dim))]
-            keep = size + numbers[n + at.target.radius]
-            clear = clear & (dot(way, way) > keep * keep)
-        return clear
-
-    @ti.func
-    def drawn_obstacle(index, numbers: ti.template(), b, trial, key_low, key_high):
-        """Draw centre, radius, and 1 where no clear place was found, in one list. index: integer lanes."""
-        n = b * width
-        smallest = numbers[n + radius[0]]
-        share = obstacle_shares(key_low, key_high, trial, index, 0)
-        centre = within(share, region, numbers, b)
-        size = smallest + share[dim] * (numbers[n + radius[1]] - smallest)
-        missing = lanes(0.0)
-        if ti.static(frame.clear):
-            missing = ti.select(is_clear(centre, size, numbers, b), 0.0, 1.0)
-            for attempt in range(1, TRIES):
-                again = obstacle_shares(key_low, key_high, trial, index, attempt)
-                other = within(again, region, numbers, b)
-                other_size = smallest + again[dim] * (numbers[n + radius[1]] - smallest)
-                taken = (missing > 0.5) & is_clear(other, other_size, numbers, b)
-                for k in ti.static(range(dim)):
-                    centre[k] = ti.select(taken, other[k], centre[k])
-                size = ti.select(taken, other_size, size)
-                missing = ti.select(taken, 0.0, missing)
-        return centre + [size, missing]  # noqa: RUF005 - Taichi knows no stars in lists
-
-    @ti.func
-    def spawn_obstacles(obstacles: ti.template(), count, numbers: ti.template(), b, trial, fresh, key_low, key_high):
-        for i in range(count):
-            o = (b * count + i) * layout.obstacle_rows
-            drawn = drawn_obstacle(integers(ti.cast(i, ti.u32)), numbers, b, trial, key_low, key_high)
-            exists = (numbers[b * width + at.obstacles.count] > ti.cast(i, types.real) + 0.5) & (drawn[dim + 1] < 0.5)
-            for k in ti.static(range(dim)):
-                store(obstacles, o + k, fresh, ti.select(exists, drawn[k], FAR))
-            store(obstacles, o + dim, fresh, ti.select(exists, drawn[dim], 0.0))
-
-    return ObstacleStarts(drawn=drawn_obstacle, spawn=spawn_obstacles)
+    return AgentStarts(drawn=drawn, begin=begin, place=place)
 
 
 def build(layout: ParameterTable, types: Types) -> Starts:
-    """Build the funcs that draw a trial's start into fresh lanes, in lanes themselves."""
+    """Build the funcs that draw a trial's start, and put it into fresh lanes."""
     uniform, within = philox.build(types).uniform, _within(layout)
     shares = _shares(layout, types, uniform)
     prey_starts, predator_starts = (_agents(layout, types, kind, shares, within) for kind in ("prey", "predators"))
-    obstacle_starts = _obstacles(layout, types, uniform, within)
+    obstacle_starts = obstacle_spawn.build(layout, types, uniform, within)
+    width, hunted = len(layout.paths), layout.structure.hunted
+    placed = [kind for kind in ("prey", "predators") if kind not in layout.structure.frame.apart]
 
     @ti.func
-    def spawn(
-        prey: ti.template(),
-        predators: ti.template(),
-        obstacles: ti.template(),
-        counts,
-        numbers: ti.template(),
-        integer: ti.template(),
-        b,
-        fresh,
-        key_low,
-        key_high,
-    ):
-        """Draw prey, predators and obstacles of the lanes that are fresh (a mask)."""
-        trial = integer[b, TRIAL]
-        prey_starts.spawn(prey, counts[0], numbers, b, trial, fresh, key_low, key_high)
-        if ti.static(layout.structure.hunted):
-            predator_starts.spawn(predators, counts[1], numbers, b, trial, fresh, key_low, key_high)
-        obstacle_starts.spawn(obstacles, counts[2], numbers, b, trial, fresh, key_low, key_high)
+    def spawn_lane(block: ti.template(), one, lane):
+        """Place all of one lane's trial. one: a block of numbers to write that trial's into, in all lanes."""
+        b, counts = block.b, block.counts
+        numbers = ti.static(block.numbers)
+        for column in range(width):
+            numbers[one * width + column] = types.lanes(numbers[b * width + column][lane])
+        told = types.integer_lanes(block.integer[b, TRIAL][lane])
+        key_low, key_high = block.key_low, block.key_high
+        if ti.static("prey" in placed):
+            prey_starts.place(block.prey, counts[0], numbers, one, b, lane, told, key_low, key_high)
+        if ti.static(hunted and "predators" in placed):
+            predator_starts.place(block.predators, counts[1], numbers, one, b, lane, told, key_low, key_high)
+        obstacle_starts.place(block.obstacles, counts[2], numbers, one, b, lane, told, key_low, key_high)
+
+    @ti.func
+    def spawn(block: ti.template(), one, fresh):
+        """Draw prey, predators and obstacles of the lanes that are fresh (a mask). one: as for `spawn_lane`."""
+        b, counts = block.b, block.counts
+        numbers = ti.static(block.numbers)
+        trial = block.integer[b, TRIAL]
+        prey_starts.begin(block.prey, counts[0], numbers, b, trial, fresh, block.key_low, block.key_high)
+        if ti.static(hunted):
+            predator_starts.begin(block.predators, counts[1], numbers, b, trial, fresh, block.key_low, block.key_high)
+        begins = ti.select(fresh, 1, 0)
+        for lane in range(LANES):
+            if begins[lane] == 1:
+                spawn_lane(block, one, lane)
 
     return Starts(
         spawn=spawn,

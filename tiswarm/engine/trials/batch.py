@@ -66,7 +66,7 @@ class Blocks:
         self.prey = runtime.aligned((blocks * prey * rows["prey"], LANES), types.dtype)
         self.predators = runtime.aligned((blocks * predators * rows["predators"], LANES), types.dtype)
         self.obstacles = runtime.aligned((blocks * obstacles * self.layout.obstacle_rows, LANES), types.dtype)
-        self.numbers = runtime.aligned((blocks * len(self.layout.paths), LANES), types.dtype)
+        self.numbers = runtime.aligned((2 * blocks * len(self.layout.paths), LANES), types.dtype)
         self.clock = runtime.aligned((blocks, CLOCK_ROWS, LANES), types.dtype)
         self.integer = runtime.aligned((blocks, INTEGER_ROWS, LANES), np.uint32)
         self.sums = runtime.aligned((blocks * sums, LANES), types.dtype)

@@ -1,4 +1,4 @@
-"""Kernel: many small trials, one thread owns eight in lock-step, everything of a tick fused in one kernel."""
+"""Kernel: many small trials, one thread owns as many as it has lanes, everything of a tick fused in one kernel."""
 
 from typing import Any
 
@@ -40,7 +40,7 @@ OUTCOMES = {
 }
 """What is kept of a trial that has ended, and the row of the clock it stands in."""
 
-PATIENCE = 6
+PATIENCE = 3 * LANES // 4
 """So many lanes are free before trials with planned ways begin: to plan for all of them takes as long as for one."""
 
 
@@ -125,10 +125,7 @@ def _replace(layout: ParameterTable, types: Types, starts: spawn.Starts, measure
         if ended or waiting:
             refill(block, work)
             fresh = (clock[b, AGE] < 0.5) & (clock[b, ON] > 0.5)
-            starts.spawn(
-                block.prey, block.predators, block.obstacles, block.counts, block.numbers, block.integer, b, fresh,
-                block.key_low, block.key_high,
-            )  # fmt: skip
+            starts.spawn(block, block.one, fresh)
             measures.spread_ground(block.sums, block.ground, block.obstacles, block.numbers, b, block.counts[2], fresh)
 
     return replace
@@ -170,7 +167,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         prey: flat,  # [block * agent * row]
         predators: flat,  # [block * agent * row]
         obstacles: flat,  # [block * obstacle * row]
-        numbers: flat,  # [block * column]
+        numbers: flat,  # [block * column], and as many again, in which a block spreads one trial's over all lanes
         clock: types.lane_array(2),  # [block, row]
         integer: integer_array,  # [block, row]
         table: ti.types.ndarray(dtype=types.real, ndim=2),  # [row, column]
@@ -196,6 +193,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
                 block = Bundle(
                     prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, clock=clock, integer=integer,
                     sums=sums, ground=ground, board=board, met=met, b=bounded(index // TASK),
+                    one=blocks + index // TASK,
                     counts=ti.Vector([prey_count, predator_count, obstacle_count]), key_low=key_low, key_high=key_high,
                 )  # fmt: skip
                 left = moves

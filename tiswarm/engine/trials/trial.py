@@ -204,7 +204,7 @@ class Single:
         """Take over the numbers of a scenario of the same structure and counts; they judge the state of now."""
         self.scenario = scenario
         self._table[:] = self._blocks.layout.table([scenario])
-        self._blocks.numbers[:, 0] = self._table[0]
+        self._blocks.numbers[: self._table.shape[1], 0] = self._table[0]
         self._advance(0)
 
     def place(self, kind: str, position: np.ndarray, velocity: np.ndarray) -> None:
