@@ -93,8 +93,9 @@ def kernel_of(term):
         for _ in range(1):
             out[0] = term(given[0], given[1])
     return run
-given, out = runtime.aligned((2, 8), types.dtype), runtime.aligned((1, 8), types.dtype)
-given[0], given[1] = x, y = np.linspace(0.1, 0.9, 8), np.linspace(0.8, 0.2, 8)
+wide = runtime.LANES
+given, out = runtime.aligned((2, wide), types.dtype), runtime.aligned((1, wide), types.dtype)
+given[0], given[1] = x, y = np.linspace(0.1, 0.9, wide), np.linspace(0.8, 0.2, wide)
 for n, (term, right) in enumerate({ALLOWED!r}.items()):
     print(term, flush=True)
     kernel_of(getattr(terms, f"term_{{n}}"))(given, out)

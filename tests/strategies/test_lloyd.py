@@ -67,7 +67,10 @@ def _kernel(generation, draws):
 
 
 def draw(draws=DRAWS, order=None):
-    """Draw fits of all sets, one a lane: [draw, place, set], the prey of the centre at each place as the bits of a number."""
+    """Draw fits of all sets, one a lane: [draw, place, set], the prey of the centre at each place as the bits of a number.
+
+    There are at least as many lanes as sets.
+    """
     order = list(order or range(len(SETS)))
     run, n, at = _kernel(runtime.generation(), draws)
     dtype = runtime.types().dtype
@@ -85,7 +88,7 @@ def draw(draws=DRAWS, order=None):
     for wanted in range(3):
         run(board, prey, words, drawn, wanted)
         found.append(drawn.copy())
-    assert board[at.count].tolist() == [sets[number][1] for number in order]
+    assert board[at.count, : len(order)].tolist() == [sets[number][1] for number in order]
     return np.stack(found, axis=1)[:, :, np.argsort(order)].astype(int)
 
 

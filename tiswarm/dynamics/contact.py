@@ -7,7 +7,7 @@ import taichi as ti
 from tiswarm.dynamics.rows import ARRIVED, CRASHED
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import anywhere, dot, larger, near, rates, safe, smaller, unit
+from tiswarm.simd.lanes import NOTHING, anywhere, dot, larger, near, rates, safe, smaller, unit
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box, box_lanes
 
@@ -113,7 +113,7 @@ def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
         ):  # fmt: skip
             """Count an obstacle that an agent touches in touched[0], and add its fields to `pull`: both need the distance."""
             distance2 = dot(away, away)
-            touched[0] += ti.select(touches(nearest(away, travel, numbers, b), me.radius + obstacle.radius), 1.0, 0.0)
+            touched[0] += ti.select(touches(nearest(away, travel, numbers, b), me.radius + obstacle.radius), 1.0, NOTHING)
             for p in ti.static(fields):
                 weights = see.weights_of(p, numbers, b)
                 reach = larger(obstacle.radius + p.strategy.reach(weights), 0.0)
@@ -123,9 +123,8 @@ def build(layout: ParameterTable, types: Types, see: Views) -> ContactRules:
                     seen = see.obstacle_seen(me, obstacle, away)
                     goal = see.image(me, target, numbers, b)
                     push = p.strategy.field(away, safe(distance2), me, seen, goal, weights)
-                    share = ti.select(inside, weights.on, 0.0)
                     for k in ti.static(range(dim)):
-                        pull[k] += share * push[k]
+                        pull[k] += ti.select(inside, weights.on * push[k], NOTHING)
 
         return meet_obstacle
 

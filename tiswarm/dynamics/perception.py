@@ -13,7 +13,7 @@ from tiswarm.dynamics import sight_terms, vision
 from tiswarm.dynamics.sight_terms import SightTerms
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import APART, dot, larger, motion, place, row_of, scaled, smaller
+from tiswarm.simd.lanes import APART, NOTHING, dot, larger, motion, place, row_of, scaled, smaller
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.space import box_lanes
 from tiswarm.strategies.flocking import see_mate
@@ -176,7 +176,8 @@ def _obstacles(types: Types, see: Views) -> tuple[Func, Func, Func]:
         for j in range(here.counts[2]):
             obstacle = see.obstacle_at(here.obstacles, here.b, here.counts[2], j)
             away = see.sight(me, obstacle, here.numbers, here.b)
-            found += p.strategy.blocks(me, course, away, see.obstacle_seen(me, obstacle, away), weights)
+            blocks = p.strategy.blocks(me, course, away, see.obstacle_seen(me, obstacle, away), weights)
+            found += ti.select(blocks > 0.5, 1.0, NOTHING)
         return found
 
     @ti.func

@@ -8,7 +8,7 @@ from tiswarm.dynamics import vision
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
 from tiswarm.dynamics.vision import Vision
-from tiswarm.simd.lanes import dot, motion, place, scaled
+from tiswarm.simd.lanes import NOTHING, dot, motion, place, scaled
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import flock
 
@@ -97,9 +97,9 @@ def build(layout: ParameterTable, types: Types, see: Views) -> SightTerms:
     @ti.func
     def see_hunter(threat: ti.template(), hunter: ti.template(), away: ti.template(), reach2):
         """Add one predator to what a prey sees of them."""
-        seen = ti.select(dot(away, away) <= reach2, hunter.alive, 0.0)
-        threat.n += seen
+        seen = (dot(away, away) <= reach2) & (hunter.alive > 0.5)
+        threat.n += ti.select(seen, 1.0, NOTHING)
         for k in ti.static(range(len(layout.axes))):
-            place(threat)[k] += seen * away[k]
+            place(threat)[k] += ti.select(seen, away[k], NOTHING)
 
     return SightTerms(prey=terms("prey"), predators=terms("predators"), see_hunter=see_hunter)

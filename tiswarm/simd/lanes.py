@@ -9,9 +9,15 @@ from types import SimpleNamespace
 import taichi as ti
 
 from tiswarm.simd.runtime import LANES
+from tiswarm.simd.width import WIDE
 
 TINY = 1e-12
 """Keeps quotients finite where two points coincide; far below any squared distance that matters [m²]."""
+
+NOTHING = -0.0 if LANES == WIDE else 0.0
+"""What lanes that are left out add to a sum that began at 0: the same bits either way, since such a sum is never -0.0. To add
+-0.0 changes no number at all, so that LLVM leaves those lanes out by masks of AVX-512, one instruction instead of two; with
+AVX2 a mask turns numbers into 0.0 by one instruction, and into -0.0 by more."""
 
 APART = True
 """`if APART:` gives statements a block of their own, which is folded away again. Taichi looks for each statement that it lowers

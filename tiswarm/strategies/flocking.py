@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from tiswarm.simd.lanes import components, coordinates, dot, larger, motion, place, rates, vector
+from tiswarm.simd.lanes import NOTHING, components, coordinates, dot, larger, motion, place, rates, vector
 
 
 @ti.func
@@ -14,13 +14,13 @@ def see_mate(mates: ti.template(), mate, away, counts, perception2, spacing2):
     mates.n: neighbours; x, y, z: Σ (p - p_j); vx, vy, vz: Σ v_j; push_x, ...: Σ (p - p_j) over those within the spacing.
     """
     distance2 = dot(away, away)
-    near = ti.select(distance2 <= perception2, counts, 0.0)
-    close = ti.select(distance2 <= spacing2, near, 0.0)
-    mates.n += near
+    near = (distance2 <= perception2) & (counts > 0.5)
+    close = near & (distance2 <= spacing2)
+    mates.n += ti.select(near, 1.0, NOTHING)
     for k in ti.static(range(len(away))):
-        place(mates)[k] += near * away[k]
-        motion(mates)[k] += near * motion(mate)[k]
-        vector(mates, "push")[k] += close * away[k]
+        place(mates)[k] += ti.select(near, away[k], NOTHING)
+        motion(mates)[k] += ti.select(near, motion(mate)[k], NOTHING)
+        vector(mates, "push")[k] += ti.select(close, away[k], NOTHING)
 
 
 @ti.func

@@ -12,7 +12,7 @@ import taichi as ti
 from tiswarm.dynamics.sight_terms import MateTerms
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.dynamics.views import Views
-from tiswarm.simd.lanes import bounded, dot, place, row_of, scaled, vector
+from tiswarm.simd.lanes import NOTHING, bounded, dot, place, row_of, scaled, vector
 from tiswarm.simd.runtime import Func, Types
 from tiswarm.strategies.flocking import draw_together
 
@@ -99,10 +99,10 @@ def build(layout: ParameterTable, types: Types, see: Views, kind: str, own: Mate
                 if ti.static(picky):
                     near = near & (own.counted(numbers, b, me, mate, away) > 0.5)
                 close = near & (distance2 <= spacing2)
-                seen += ti.select(near, 1.0, 0.0)
+                seen += ti.select(near, 1.0, NOTHING)
                 for k in ti.static(range(dim)):
-                    drawn[k] += ti.select(near, met[o + lent[k]], 0.0)
-                    push[k] += ti.select(close, away[k], 0.0)
+                    drawn[k] += ti.select(near, met[o + lent[k]], NOTHING)
+                    push[k] += ti.select(close, away[k], NOTHING)
             met[m + COUNT] = seen - itself
             for k in ti.static(range(dim)):
                 met[m + lent_sum[k]] = drawn[k] - itself * own_lent[k]
