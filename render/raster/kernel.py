@@ -85,10 +85,21 @@ def _lay_below(lanes: ti.template(), ground: ti.template(), place, tile, mode, t
 
 
 @ti.func
-def _due(shapes: ti.template(), bins: ti.template(), out: ti.template(), note, first, entries, y0):
+def _due(
+    shapes: ti.template(),
+    cells: ti.template(),
+    texels: ti.template(),
+    bins: ti.template(),
+    out: ti.template(),
+    note,
+    first,
+    entries,
+    x0,
+    y0,
+):
     """Give the rows of a tile that shapes touch now, or touched when this plate was drawn last, and note the former."""
     touched = ti.cast(out[note], ti.i32)
-    top, bottom = rows(shapes, bins, first, entries, y0)
+    top, bottom = rows(shapes, cells, texels, bins, first, entries, x0, y0)
     out[note] = ti.cast(top + bottom * (TILE // 2 + 1), ti.u8)
     return 2 * ti.min(top, touched % (TILE // 2 + 1)), 2 * ti.max(bottom, touched // (TILE // 2 + 1))
 
@@ -143,7 +154,7 @@ def paint(
                 x0, y0 = tile % columns * TILE, tile // columns * TILE
                 x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)
                 first, count = entries_from(tiles) + start, end - start
-                top, bottom = _due(shapes, bins, out, length + tile, first, count, y0)
+                top, bottom = _due(shapes, cells, texels, bins, out, length + tile, first, count, x0, y0)
                 if mode != OVER:
                     top, bottom = 0, TILE
                 if ti.static(clear):
