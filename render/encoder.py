@@ -127,7 +127,10 @@ class Reel:
 
     def blank(self) -> Framebuffer:
         """Take a plate to draw on; wait for one while the encoder is behind."""
-        return self._spare.get()
+        calm = self._spare.empty()
+        plate = self._spare.get()
+        plate.calm = calm
+        return plate
 
     def put(self, frame: Framebuffer) -> None:
         """Hand a drawn frame to the encoder."""

@@ -98,7 +98,7 @@ class Canvas:
         self._edges[:-1], self._edges[-1, :3] = windows, colour
         while True:
             room = len(self._bins) - entries_from(self._tiles)
-            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
+            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), out.calm, 0
             self._launch(out)
             needed = int(self._bins[HEAD + self._tiles])
             if needed <= room:

@@ -17,6 +17,7 @@ class Framebuffer:
         self.bytes, self.touched = self.whole[:length], self.whole[length:]
         self.touched[:] = EVERYWHERE
         self.blocks = np.zeros(blocks, np.int32)
+        self.calm = False  # whether nobody waits for them: then one thread draws, and leaves the others to the encoder
         self.ground = -1  # the number of the ground that they were drawn over
         self.arrays: tuple[np.ndarray, ...] = ()  # what they were drawn with, and what draws with these again
         self.launch: Callable[[], None] | None = None

@@ -105,10 +105,17 @@ def _due(
 
 
 @ti.func
-def _dealt(tiles: ti.i32, chunk: ti.i32) -> ti.i32:
-    """Give how many tiles a chunk has."""
+def _dealt(tiles: ti.i32, chunk: ti.i32, calm: ti.i32) -> ti.i32:
+    """Give how many tiles a chunk has: the first one has all where one thread is to do."""
     rest = tiles % (CHUNKS * RUN)
-    return tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
+    share = tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
+    return ti.select(calm == 0, share, ti.select(chunk == 0, tiles, 0))
+
+
+@ti.func
+def _tile(step: ti.i32, chunk: ti.i32, calm: ti.i32) -> ti.i32:
+    """Give the number of a chunk's tile."""
+    return ti.select(calm == 0, (step // RUN * CHUNKS + chunk) * RUN + step % RUN, step)
 
 
 @ti.kernel
@@ -148,8 +155,8 @@ def paint(
             length = width * height * (4 if clear else 3) // (2 if as_yuv else 1)
             chunk, place = index // _TASK, CONSTANTS + index // _TASK * SCRATCH
             some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
-            for step in range(some * _dealt(tiles, chunk)):
-                tile = (step // RUN * CHUNKS + chunk) * RUN + step % RUN
+            for step in range(some * _dealt(tiles, chunk, bins[6])):
+                tile = _tile(step, chunk, bins[6])
                 start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
                 x0, y0 = tile % columns * TILE, tile // columns * TILE
                 x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)

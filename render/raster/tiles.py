@@ -7,7 +7,8 @@ from render.raster.encode import TILE
 from render.raster.shapes import ALPHA, BOUNDS, BOX, CAPSULE, CLOUD, DART, KIND, PLACE, QUAD, SIZE, SOFT, STROKE, TWEAK, WINDOW
 
 HEAD = 8
-"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows. Each argument costs a launch some time.
+"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows, whether one thread does all. Each argument
+costs a launch some time.
 
 Behind it are where each tile's entries begin, and where the last ones end; for each part of the shapes a number for each tile;
 then the entries: of each tile, in drawing order, the shapes that it shows."""
