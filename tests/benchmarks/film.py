@@ -136,11 +136,11 @@ def encoded(recording: Recording, quality: str, folder: Path) -> tuple[float, fl
     return film, swallowed
 
 
-def filmed_clear(recording: Recording, name: str, folder: Path, frames: int = 60) -> float:
-    """Give frames per second of a film of a chase without a ground, 720p, good."""
-    stage = Composition(recording, HD, Look(transparent=True), yuv=False)
+def filmed(recording: Recording, name: str, folder: Path, *, clear: bool, frames: int = 60) -> float:
+    """Give frames per second of a film of a chase with or without a ground, 720p, good."""
+    form = format_of(Path(name), "good", transparent=clear)
+    stage = Composition(recording, HD, Look(transparent=clear), yuv=form.yuv and not clear)
     moments = list(stage.times(FPS))[stage.length(FPS) // 3 :][:frames]
-    form = format_of(Path(name), "good", transparent=True)
 
     def whole() -> None:
         with (
@@ -217,8 +217,10 @@ def main() -> None:
             note(f"whole film, Delft chase, 1080p, {quality}", film)
             note(f"the same encoder with ready-made frames, 1080p, {quality}", alone)
         note("whole film, 100 000 agents that are simulated live, 1080p, draft", filmed_live(100_000, Path(name)))
-        for kind, suffix in (("WebM", "clear.webm"), ("PNG", "clear")):
-            note(f"whole film, Delft chase without a ground, 720p, good, {kind}", filmed_clear(chase, suffix, Path(name)))
+        for kind, called in (("WebM", "chase.webm"), ("PNG", "chase")):
+            for clear in (False, True):
+                what = "without a ground" if clear else "with its ground"
+                note(f"whole film, Delft chase {what}, 720p, good, {kind}", filmed(chase, called, Path(name), clear=clear))
         if not chosen.without_matplotlib:
             note("matplotlib's FFMpegWriter, the same chase, 1080p, good", matplotlib_film(chase, "good", Path(name)))
     chosen.output.parent.mkdir(parents=True, exist_ok=True)
