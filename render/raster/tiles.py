@@ -7,8 +7,8 @@ from render.raster.encode import TILE
 from render.raster.shapes import ALPHA, BOUNDS, BOX, CAPSULE, CLOUD, DART, KIND, PLACE, QUAD, SIZE, SOFT, STROKE, TWEAK, WINDOW
 
 HEAD = 8
-"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows, whether one thread does all. Each argument
-costs a launch some time.
+"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows, whether one thread does all, and whether
+there is a cloud, which the kernel notes. Each argument costs a launch some time.
 
 Behind it are where each tile's entries begin, and where the last ones end; for each part of the shapes a number for each tile;
 then the entries: of each tile, in drawing order, the shapes that it shows."""
@@ -91,6 +91,8 @@ def count_shapes(shapes: ti.template(), windows: ti.template(), bins: ti.templat
         for tile in range(tiles):
             bins[own + tile] = 0
     for n in range(begin, end):
+        if shapes[n, KIND] == CLOUD:
+            bins[7] = 1
         if _fit(shapes, n, windows):
             left, top, right, bottom = _corners(shapes, n)
             for row in range(top, bottom + 1):
@@ -175,11 +177,17 @@ def rows(
 ):
     """Give the rows of a tile that its entries touch, in pairs, which share their chroma: the first and one past the last."""
     top, bottom = TILE, 0
-    for entry in range(first, first + entries):
-        n, seen = bins[entry], 1
-        if shapes[n, KIND] == CLOUD:
-            seen = _cloudy(shapes, n, cells, texels, x0, y0)
-        if seen:
+    if bins[7] == 0:  # a loop of its own: thousands of shapes may lie in a tile
+        for entry in range(first, first + entries):
+            n = bins[entry]
             top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
             bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
+    else:
+        for entry in range(first, first + entries):
+            n, seen = bins[entry], 1
+            if shapes[n, KIND] == CLOUD:
+                seen = _cloudy(shapes, n, cells, texels, x0, y0)
+            if seen:
+                top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
+                bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
     return ti.max(top, 0) // 2, (ti.min(bottom, TILE) + 1) // 2
