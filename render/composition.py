@@ -33,7 +33,6 @@ from tiswarm.space import box
 
 if TYPE_CHECKING:
     from render.raster.canvas import Canvas
-    from render.raster.matte import Matte
 
 WIDE = 990
 """Stages this wide [units of type] show small things in full size; in narrower cells they shrink, at most to half."""
@@ -112,13 +111,12 @@ class Composition:
         self._size, self._yuv = size, yuv
 
     @cached_property
-    def canvas(self) -> "Canvas | Matte":
+    def canvas(self) -> "Canvas":
         """Give what frames are drawn on; a still camera's ground is laid on it once and for all."""
         from render.raster.canvas import Canvas
-        from render.raster.matte import Matte
 
-        transparent = self.look.transparent
-        canvas = Matte(self._size, self._atlas) if transparent else Canvas(self._size, self._atlas, yuv=self._yuv)
+        clear = self.look.transparent
+        canvas = Canvas(self._size, self._atlas, yuv=self._yuv and not clear, clear=clear)
         if self._still:
             canvas.lay(self._backdrop, self._ground(0.0), self.windows)
         return canvas

@@ -22,7 +22,6 @@ from typing import IO
 import numpy as np
 
 from render.raster.framebuffer import Framebuffer
-from render.raster.planar import planar
 from tiswarm.simd.threads import available_threads
 from tiswarm.system.files import replacing, replacing_folder
 from tiswarm.system.progress import deferring_interrupts
@@ -127,7 +126,10 @@ class Reel:
 
     def blank(self) -> Framebuffer:
         """Take a plate to draw on; wait for one while the encoder is behind."""
-        return self._spare.get()
+        calm = self._spare.empty()
+        plate = self._spare.get()
+        plate.calm = calm
+        return plate
 
     def put(self, frame: Framebuffer) -> None:
         """Hand a drawn frame to the encoder."""
@@ -188,7 +190,7 @@ def encoder(
                 stack.callback(_end, process)
         except OSError as error:
             raise FilmError(f"{path}: cannot be written: {reason(error)}") from None
-        reel = Reel(blank, partial(planar, size=size) if form.yuv and form.alpha else lambda drawn: drawn)
+        reel = Reel(blank, _coding(size, form))
         feeder = threading.Thread(target=reel.feed, args=(process.stdin,), name="film encoder", daemon=True)
         feeder.start()
         try:
@@ -204,6 +206,15 @@ def encoder(
             process.wait()
         if process.returncode or reel.broken:
             raise FilmError(f"{path}: the encoder failed: {_reason(process.returncode, log)}")
+
+
+def _coding(size: tuple[int, int], form: Format) -> Callable[[np.ndarray], np.ndarray]:
+    """Give what makes of a frame's bytes what the encoder takes."""
+    if not (form.yuv and form.alpha):
+        return lambda drawn: drawn
+    from render.raster.planar import planar
+
+    return partial(planar, size=size)
 
 
 def _end(process: subprocess.Popen) -> None:

@@ -8,6 +8,7 @@ from render.raster.encode import AREA, LANES, TILE
 from render.raster.framebuffer import EVERYWHERE, Framebuffer
 from render.raster.glyphs import Atlas
 from render.raster.kernel import CHUNKS, CONSTANTS, LAY, OVER, WHOLE, paint
+from render.raster.matte import NOTES, SIDE
 from render.raster.painter import SCRATCH
 from render.raster.shapes import COLUMNS, Colour
 from render.raster.tiles import HEAD, entries_from
@@ -23,20 +24,21 @@ Shapes = np.ndarray | Sequence[np.ndarray]
 class Canvas:
     """A picture of one size that shapes are drawn on, again and again over the same ground."""
 
-    def __init__(self, size: tuple[int, int], atlas: Atlas, *, yuv: bool):
+    def __init__(self, size: tuple[int, int], atlas: Atlas, *, yuv: bool, clear: bool = False):
         """Make a black canvas.
 
         size: width, height [px]; both even when `yuv`.
         atlas: the ink that sprites take from.
         yuv: write planar 4:2:0 for an encoder, else RGB.
+        clear: write, as RGBA, shapes without a ground, which only suit the colour that is given as that.
         """
         runtime.start()
         self.width, self.height = size
-        self.yuv = yuv
+        self.yuv, self.clear = yuv, clear
         self._atlas = atlas
         self._tiles = -(-self.width // TILE) * -(-self.height // TILE)
         self._bins = np.zeros(entries_from(self._tiles) + 2 * self._tiles, np.int32)
-        self._light = runtime.aligned((self._tiles * 3 * AREA, LANES), np.float32)
+        self._light = runtime.aligned((self._tiles * (4 if clear else 3) * AREA, LANES), np.float32)
         self._lanes = runtime.aligned((CONSTANTS + CHUNKS * SCRATCH, LANES), np.float32)
         self._numbers = self._lanes.reshape(-1)
         self._lanes[0] = np.arange(LANES)
@@ -44,11 +46,13 @@ class Canvas:
         self._frame = np.array([[0, 0, *size]], np.float32)
         self._rows = np.zeros((ROOM, COLUMNS), np.float32)
         self._edges = np.zeros((0, 4), np.float32)
-        self._grounds = 0
+        self._grounds, self._colour = 0, (0.0, 0.0, 0.0)
 
     def blank(self) -> Framebuffer:
         """Allocate the bytes of one frame."""
         pixels = self.width * self.height
+        if self.clear:
+            return Framebuffer(pixels * 4, self._tiles, self._tiles * SIDE * SIDE * NOTES)
         return Framebuffer(pixels * 3 // 2 if self.yuv else pixels * 3, self._tiles)
 
     def lay(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None = None) -> None:
@@ -56,7 +60,7 @@ class Canvas:
 
         windows: [window, 4], what shapes are cut to, by the number that each names: x0, y0, x1, y1 [px]; the frame when None.
         """
-        self._grounds += 1
+        self._grounds, self._colour = self._grounds + 1, colour
         self._run(LAY, shapes, windows, self.blank(), colour)
 
     def draw(self, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
@@ -66,7 +70,7 @@ class Canvas:
         """
         if out.ground != self._grounds:
             out.touched[:] = EVERYWHERE
-        self._run(OVER, shapes, windows, out, (0.0, 0.0, 0.0))
+        self._run(OVER, shapes, windows, out, self._colour)
         out.ground = self._grounds
         return out.bytes
 
@@ -77,7 +81,7 @@ class Canvas:
         return out.bytes
 
     def light(self) -> np.ndarray:
-        """Give the ground in linear light: [y, x, channel]."""
+        """Give the ground of a canvas that is not clear in linear light: [y, x, channel]."""
         columns = -(-self.width // TILE)
         tiled = self._light.reshape(-1, columns, 3, TILE, TILE)
         return tiled.transpose(0, 3, 1, 4, 2).reshape(-1, columns * TILE, 3)[: self.height, : self.width]
@@ -94,7 +98,7 @@ class Canvas:
         self._edges[:-1], self._edges[-1, :3] = windows, colour
         while True:
             room = len(self._bins) - entries_from(self._tiles)
-            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), 0, 0
+            self._bins[:HEAD] = self.width, self.height, count, mode, room, len(windows), out.calm, 0
             self._launch(out)
             needed = int(self._bins[HEAD + self._tiles])
             if needed <= room:
@@ -104,9 +108,9 @@ class Canvas:
     def _launch(self, out: Framebuffer) -> None:
         """Paint on a plate; what describes the launch is kept with it, for as long as the arrays are these."""
         taken = self._atlas.ink, self._atlas.cells, self._atlas.texels
-        arrays = self._rows, self._edges, *taken, self._bins, self._light, self._lanes, self._numbers, out.whole
+        arrays = self._rows, self._edges, *taken, self._bins, self._light, self._lanes, self._numbers, out.whole, out.blocks
         if out.launch is None or any(new is not old for new, old in zip(arrays, out.arrays, strict=True)):
-            out.arrays, out.launch = arrays, launch.prepared(paint, *arrays, self.yuv, precision=None)
+            out.arrays, out.launch = arrays, launch.prepared(paint, *arrays, self.yuv, self.clear, precision=None)
         out.launch()
 
 

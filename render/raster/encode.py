@@ -39,7 +39,7 @@ def encoded(light):
 
 
 @ti.func
-def write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, top, bottom):
+def _write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, x0, y0, x1, top, bottom):
     """Write packed red, green and blue bytes of the rows from top to before bottom, whose planes hold encoded colours."""
     for c in range(3):
         for row in range(top * ACROSS, bottom * ACROSS):
@@ -53,7 +53,7 @@ def write_rgb(lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: 
 
 
 @ti.func
-def write_yuv(
+def _write_yuv(
     lanes: ti.template(), numbers: ti.template(), place: ti.i32, out: ti.template(), width, height, x0, y0, x1, top, bottom
 ):
     """Write planar Y'CbCr 4:2:0, BT.709, limited range; one chroma sample stands for the mean of its four pixels.
@@ -90,3 +90,25 @@ def write_yuv(
             else:
                 for n in range((x1 - x0) // 2):
                     out[row + n] = ti.cast(numbers[first + 2 * n] + numbers[first + 2 * n + 1] + ti.f32(128.5), ti.u8)
+
+
+@ti.func
+def write(
+    lanes: ti.template(),
+    numbers: ti.template(),
+    place: ti.i32,
+    out: ti.template(),
+    width,
+    height,
+    x0,
+    y0,
+    x1,
+    top,
+    bottom,
+    as_yuv: ti.template(),
+):
+    """Write the bytes of the rows from top to before bottom, whose planes hold encoded colours."""
+    if ti.static(as_yuv):
+        _write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
+    else:
+        _write_rgb(lanes, numbers, place, out, width, x0, y0, x1, top, bottom)

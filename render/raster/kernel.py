@@ -8,7 +8,8 @@ are painted: all others show the ground already.
 
 import taichi as ti
 
-from render.raster.encode import ACROSS, AREA, LANES, TILE, encoded, write_rgb, write_yuv
+from render.raster.encode import ACROSS, AREA, LANES, TILE, encoded, write
+from render.raster.matte import BLOCK, fill_blocks, write_clear
 from render.raster.painter import SCRATCH, THROUGH, paint_entries
 from render.raster.tiles import HEAD, PARTS, count_shapes, entries_from, list_shapes, place_parts, rows, tiles_of
 from tiswarm.simd import runtime
@@ -69,19 +70,52 @@ def _finish(
 
 
 @ti.func
-def _due(shapes: ti.template(), bins: ti.template(), out: ti.template(), note, first, entries, y0):
+def _lay_below(lanes: ti.template(), ground: ti.template(), place, tile, mode, top, bottom):
+    """Lay what stands still under a painted tile that has no ground of its own; keep both where that is wanted."""
+    for row in range(top * ACROSS, bottom * ACROSS):
+        spot, under = place + row, tile * (THROUGH + 1) * AREA + row
+        if mode == OVER:
+            through = lanes[spot + THROUGH * AREA]
+            for c in ti.static(range(3)):
+                lanes[spot + c * AREA] = lanes[spot + c * AREA] + through * ground[under + c * AREA]
+            lanes[spot + THROUGH * AREA] = through * ground[under + THROUGH * AREA]
+        if mode == LAY:
+            for c in ti.static(range(4)):
+                ground[under + c * AREA] = lanes[spot + c * AREA]
+
+
+@ti.func
+def _due(
+    shapes: ti.template(),
+    cells: ti.template(),
+    texels: ti.template(),
+    bins: ti.template(),
+    out: ti.template(),
+    note,
+    first,
+    entries,
+    x0,
+    y0,
+):
     """Give the rows of a tile that shapes touch now, or touched when this plate was drawn last, and note the former."""
     touched = ti.cast(out[note], ti.i32)
-    top, bottom = rows(shapes, bins, first, entries, y0)
+    top, bottom = rows(shapes, cells, texels, bins, first, entries, x0, y0)
     out[note] = ti.cast(top + bottom * (TILE // 2 + 1), ti.u8)
     return 2 * ti.min(top, touched % (TILE // 2 + 1)), 2 * ti.max(bottom, touched // (TILE // 2 + 1))
 
 
 @ti.func
-def _dealt(tiles: ti.i32, chunk: ti.i32) -> ti.i32:
-    """Give how many tiles a chunk has."""
+def _dealt(tiles: ti.i32, chunk: ti.i32, calm: ti.i32) -> ti.i32:
+    """Give how many tiles a chunk has: the first one has all where one thread is to do."""
     rest = tiles % (CHUNKS * RUN)
-    return tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
+    share = tiles // (CHUNKS * RUN) * RUN + ti.min(ti.max(rest - chunk * RUN, 0), RUN)
+    return ti.select(calm == 0, share, ti.select(chunk == 0, tiles, 0))
+
+
+@ti.func
+def _tile(step: ti.i32, chunk: ti.i32, calm: ti.i32) -> ti.i32:
+    """Give the number of a chunk's tile."""
+    return ti.select(calm == 0, (step // RUN * CHUNKS + chunk) * RUN + step % RUN, step)
 
 
 @ti.kernel
@@ -96,13 +130,15 @@ def paint(
     lanes: _Lanes,
     numbers: _Numbers,
     out: _Bytes,
+    blocks: ti.types.ndarray(dtype=ti.i32, ndim=1),
     as_yuv: ti.template(),
+    clear: ti.template(),
 ):
     """Paint tiles and write their bytes: those that shapes touch or touched last in `out`, or all of them.
 
     windows: rows of x0, y0, x1, y1, and one more with the colour that all begins with unless it is the ground. lanes and
     numbers are two views of the scratch memory. When bins have no room for all entries nothing is painted: their end says how
-    many there are.
+    many there are. clear: write colours and opacities, without a ground; blocks: what is known of those of `out` then.
     """
     for index in range(PARTS * _TASK):
         if index % _TASK == 0:
@@ -116,29 +152,30 @@ def paint(
         if index % _TASK == 0:
             width, height, mode = bins[0], bins[1], bins[3]
             columns, tiles = tiles_of(bins)
-            length = width * height * 3
-            if ti.static(as_yuv):
-                length = length // 2
-            chunk = index // _TASK
-            place = CONSTANTS + chunk * SCRATCH
+            length = width * height * (4 if clear else 3) // (2 if as_yuv else 1)
+            chunk, place = index // _TASK, CONSTANTS + index // _TASK * SCRATCH
             some = ti.cast(bins[HEAD + tiles] <= bins[4], ti.i32)
-            for step in range(some * _dealt(tiles, chunk)):
-                tile = (step // RUN * CHUNKS + chunk) * RUN + step % RUN
+            for step in range(some * _dealt(tiles, chunk, bins[6])):
+                tile = _tile(step, chunk, bins[6])
                 start, end = bins[HEAD + tile], bins[HEAD + tile + 1]
                 x0, y0 = tile % columns * TILE, tile // columns * TILE
                 x1, high = ti.min(x0 + TILE, width), ti.min(TILE, height - y0)
-                first = entries_from(tiles) + start
-                top, bottom = _due(shapes, bins, out, length + tile, first, end - start, y0)
-                bottom = ti.min(bottom, high)
+                first, count = entries_from(tiles) + start, end - start
+                top, bottom = _due(shapes, cells, texels, bins, out, length + tile, first, count, x0, y0)
                 if mode != OVER:
-                    top, bottom = 0, high
+                    top, bottom = 0, TILE
+                if ti.static(clear):
+                    top, bottom = top // BLOCK * BLOCK, (bottom + BLOCK - 1) // BLOCK * BLOCK
+                bottom = ti.min(bottom, high)
                 if bottom > top:
                     _begin(lanes, place, top, bottom)
-                    paint_entries(
-                        shapes, atlas, cells, texels, bins, lanes, numbers, place, first, end - start, x0, y0, top, bottom
-                    )
-                    _finish(lanes, ground, windows, bins, place, tile, mode, top, bottom)
-                    if ti.static(as_yuv):
-                        write_yuv(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom)
+                    paint_entries(shapes, atlas, cells, texels, bins, lanes, numbers, place, first, count, x0, y0, top, bottom)
+                    if ti.static(clear):
+                        _lay_below(lanes, ground, place, tile, mode, top, bottom)
+                        write_clear(lanes, numbers, windows, bins, blocks, place, out, tile, x0, y0, x1, top, bottom)
                     else:
-                        write_rgb(lanes, numbers, place, out, width, x0, y0, x1, top, bottom)
+                        _finish(lanes, ground, windows, bins, place, tile, mode, top, bottom)
+                        write(lanes, numbers, place, out, width, height, x0, y0, x1, top, bottom, as_yuv)
+    for index in range((CHUNKS if clear else 0) * _TASK):
+        if index % _TASK == 0 and bins[HEAD + tiles_of(bins)[1]] <= bins[4]:
+            fill_blocks(blocks, windows, bins, out, index // _TASK, CHUNKS)

@@ -1,147 +1,166 @@
-"""A matte: shapes in, their colours and how opaque they are out, for pictures that have no ground of their own."""
+# mypy: disable-error-code="valid-type,index,operator"
+"""A matte: how shapes that have no ground become bytes of colour and opacity, tile by tile, in its scratch memory.
 
-import numpy as np
+What was painted is light, but programs that lay pictures over each other mix encoded values. Opacities are such that over the
+ground that is to be suited this looks as shapes painted there would, and over others as near to that as one opacity for all
+channels can be.
+"""
 
-from render.raster.canvas import Canvas, Shapes
-from render.raster.framebuffer import Framebuffer
-from render.raster.glyphs import Atlas
-from render.raster.shapes import PAINT, Colour, encoded, linear
+import taichi as ti
+
+from render.raster.encode import ACROSS, AREA, LANES, TILE, encoded
+from render.raster.painter import SLOTS, THROUGH
+from render.raster.sdf import saturated
+from tiswarm.simd.lanes import larger, smaller
 
 BLOCK = 8
 """Edge of the squares [px] in which pixels that show nothing take the colour of what is near.
 
 Whoever scales a picture, or halves its colours as video does, mixes them in."""
 
-FINE = 1 << 14
-"""Steps of the table that encodes light."""
+SIDE = TILE // BLOCK
+
+NOTES = 5
+"""What is kept of a block: sums of its colours times opacities, of its opacities, and the colour that was near it last."""
+
+UNKNOWN = -1
+"""No colour: that of a block which was painted since."""
 
 ALIKE = 0.01
 """Squared distance of a colour from the ground below which its own opacity counts more than what it does to the ground."""
 
-BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
-LIGHT = 0.2
-"""Grounds above this are light [linear]."""
-
-
-_LIGHT = linear(np.arange(256) / 255).astype(np.float32)
-_ENCODED = encoded(np.arange(FINE + 1) / FINE).astype(np.float32)
+@ti.func
+def _rounded(x):
+    """Round a number below 2²²: lanes know no other way."""
+    return (x + ti.f32(8388608.0)) - ti.f32(8388608.0)
 
 
-class Matte:
-    """A picture without a ground, that shapes are drawn on again and again.
+@ti.func
+def _suit(lanes: ti.template(), windows: ti.template(), at: ti.i32, place: ti.i32, top: ti.i32, bottom: ti.i32):
+    """Turn light and what shows through into bytes: colours and opacities that mix, encoded, over a ground as light does.
 
-    They are drawn twice: on black as they are, and all white on black, which is how much of each pixel they cover; or, where
-    the ground that is to be suited is light, all black on white, which is how much of it they leave: bytes tell dark from
-    darker best. Both are light, but programs that lay pictures over each other mix encoded values. Opacities are such that
-    over that ground this looks as the canvas would, and over others as near to that as one opacity for all channels can be.
+    at: the row of `windows` that holds the ground's colour.
     """
-
-    def __init__(self, size: tuple[int, int], atlas: Atlas):
-        """Make an empty one. size: width, height [px]. atlas: as for a canvas."""
-        self.width, self.height = size
-        self._atlas, self._plain = atlas, Atlas()
-        self._canvases = Canvas(size, atlas, yuv=False), Canvas(size, self._plain, yuv=False)
-        self._plates = [canvas.blank() for canvas in self._canvases]
-        self._before: list[np.ndarray] = []  # their bytes of the frame before, none at first
-        self._ground, self._papers = BLACK, (BLACK, BLACK)
-        self._pixels = np.zeros((self.width * self.height, 4), np.uint8)  # those that show nothing are all zero
-        self._across, self._down = -(-self.width // BLOCK), -(-self.height // BLOCK)
-        self._sums = np.zeros((4, self._across * self._down))  # of each block: colours times opacities, and opacities
-
-    def blank(self) -> Framebuffer:
-        """Allocate the bytes of one frame: red, green, blue and opacity of each pixel, encoded, not multiplied."""
-        return Framebuffer(self.width * self.height * 4, 0)
-
-    def lay(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None = None) -> None:
-        """Take shapes that stand still. colour: linear light of the ground to suit. windows: as for a canvas."""
-        self._suit(colour)
-        for canvas, paper, rows in zip(self._canvases, self._papers, self._both(shapes), strict=True):
-            canvas.lay(paper, rows, windows)
-
-    def draw(self, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
-        """Draw shapes above those that stand still, on a plate that `blank` allocated; return its bytes."""
-        for canvas, rows, plate in zip(self._canvases, self._both(shapes), self._plates, strict=True):
-            canvas.draw(rows, windows, plate)
-        return self._joined(out)
-
-    def fill(self, colour: Colour, shapes: Shapes, windows: np.ndarray | None, out: Framebuffer) -> np.ndarray:
-        """Draw all anew, where nothing stands still; return the plate's bytes. colour: as in `lay`."""
-        self._suit(colour)
-        for canvas, paper, rows, plate in zip(self._canvases, self._papers, self._both(shapes), self._plates, strict=True):
-            canvas.fill(paper, rows, windows, plate)
-        return self._joined(out)
-
-    def _suit(self, ground: Colour) -> None:
-        self._ground, self._papers = ground, (BLACK, WHITE if sum(ground) / 3 > LIGHT else BLACK)
-
-    def _both(self, shapes: Shapes) -> tuple[np.ndarray, np.ndarray]:
-        """Give shapes as they are, and in white or black, as words and clouds in the other atlas are then, too."""
-        ink = 1.0 - self._papers[1][0]
-        self._plain.ink, self._plain.cells = self._atlas.ink, self._atlas.cells
-        self._plain.texels = self._atlas.texels[:, 3:] * np.array((ink, ink, ink, 1.0), np.float32)
-        whole = shapes if isinstance(shapes, np.ndarray) else np.concatenate(shapes)
-        plain = whole.copy()
-        plain[:, PAINT : PAINT + 3] = ink
-        return whole, plain
-
-    def _joined(self, out: Framebuffer) -> np.ndarray:
-        """Find colours and opacities of the pixels that have changed, and fill what shows nothing."""
-        changed = np.full(3 * self.width * self.height, not self._before)
-        for plate, before in zip(self._plates, self._before, strict=False):
-            changed |= plate.bytes != before
-        self._before = [plate.bytes.copy() for plate in self._plates]
-        at = np.flatnonzero(changed[::3] | changed[1::3] | changed[2::3])
-        cover = np.abs(_LIGHT[self._plates[1].bytes[3 * at]] - np.float32(self._papers[1][0]))[:, None]
-        light = np.minimum(_LIGHT[self._plates[0].bytes.reshape(-1, 3)[at]], cover)
-        self._put(at, suited(light, cover, self._ground))
-        whole, shown = out.bytes.view(np.uint32), self._pixels.view(np.uint32)[:, 0]
-        whole.reshape(self.height, self.width)[:] = self._spread()
-        np.copyto(whole, shown, where=shown != 0)
-        return out.bytes
-
-    def _put(self, at: np.ndarray, pixels: np.ndarray) -> None:
-        """Replace pixels, and count them in their blocks."""
-        block = at // self.width // BLOCK * self._across + at % self.width // BLOCK
-        for some, sign in ((self._pixels[at], -1.0), (pixels, 1.0)):
-            alpha = some[:, 3].astype(float)
-            for c in range(4):
-                weights = alpha if c == 3 else alpha * some[:, c]
-                self._sums[c] += sign * np.bincount(block, weights, minlength=self._sums.shape[1])
-        self._pixels[at] = pixels
-
-    def _spread(self) -> np.ndarray:
-        """Give each pixel the mean colour of what is near, or the ground's where nothing is, and no opacity."""
-        padded = np.pad(self._sums.reshape(4, self._down, self._across), ((0, 0), (1, 1), (1, 1)))
-        padded = padded[:, :-2] + padded[:, 1:-1] + padded[:, 2:]
-        sums = padded[:, :, :-2] + padded[:, :, 1:-1] + padded[:, :, 2:]
-        near = np.zeros((self._down, self._across, 4), np.uint8)
-        near[..., :3] = np.round(255 * encoded(self._ground))
-        known = sums[3] > 0
-        near[known, :3] = np.round(sums[:3, known] / sums[3, known]).T
-        rows = np.repeat(near.view(np.uint32)[..., 0], BLOCK, axis=1)[:, : self.width]
-        return np.repeat(rows, BLOCK, axis=0)[: self.height]
+    nothing = ti.f32(0.0) * lanes[0]
+    for c in ti.static(range(3)):
+        lanes[place + SLOTS + c] = encoded(nothing + windows[at, c])
+    for spot in range(place + top * ACROSS, place + bottom * ACROSS):
+        through = lanes[spot + THROUGH * AREA]
+        cover = ti.f32(1.0) - through
+        whole = ti.f32(1.0) / larger(cover, ti.f32(1e-6))
+        across, along, least = cover * ti.f32(ALIKE), nothing + ti.f32(ALIKE), nothing
+        for c in ti.static(range(3)):
+            under, light = lanes[place + SLOTS + c], smaller(lanes[spot + c * AREA], cover)
+            there, own = encoded(light + through * windows[at, c]) - under, encoded(light * whole) - under
+            lanes[spot + c * AREA] = there
+            across, along = across + there * own, along + own * own
+            darker = (nothing - there) / larger(under, ti.f32(1e-3))
+            least = larger(least, larger(darker, there / larger(ti.f32(1.0) - under, ti.f32(1e-3))))
+        opacity = _rounded(saturated(larger(across / along, least)) * ti.f32(255.0))
+        lanes[spot + THROUGH * AREA] = opacity
+        for c in ti.static(range(3)):
+            value = lanes[place + SLOTS + c] + lanes[spot + c * AREA] * (ti.f32(255.0) / larger(opacity, ti.f32(1.0)))
+            lanes[spot + c * AREA] = ti.select(opacity > ti.f32(0.0), _rounded(saturated(value) * ti.f32(255.0)), nothing)
 
 
-def suited(light: np.ndarray, cover: np.ndarray, ground: Colour) -> np.ndarray:
-    """Give bytes of colour and opacity [pixel, 4] that mix, encoded, over a ground as light does.
+@ti.func
+def _sum_blocks(
+    lanes: ti.template(), numbers: ti.template(), place: ti.i32, blocks: ti.template(), columns: ti.i32, tile, top, bottom
+):
+    """Note how much colour and opacity the blocks of a tile hold that has been suited: those in the rows from top to bottom.
 
-    light: [pixel, 3], linear, as much as there is over black. cover: [pixel, 1], from 0 to 1, at least the light.
+    columns: tiles in a row.
     """
-    under = encoded(ground).astype(np.float32)
-    there = _curve(light + (1 - cover) * np.asarray(ground, np.float32)) - under
-    own = _curve(light / np.maximum(cover, 1e-6)) - under
-    alpha = ((there * own).sum(axis=1, keepdims=True) + ALIKE * cover) / ((own * own).sum(axis=1, keepdims=True) + ALIKE)
-    least = np.where(there > 0, there / np.maximum(1 - under, 1e-3), -there / np.maximum(under, 1e-3))
-    alpha = np.clip(np.maximum(alpha, least.max(axis=1, keepdims=True)), 0, 1)
-    pixels = np.empty((len(light), 4), np.uint8)
-    opacity = np.round(255 * alpha)
-    pixels[:, 3] = opacity[:, 0]
-    pixels[:, :3] = np.round(np.clip(255 * (under + there * (255 / np.maximum(opacity, 1))), 0, 255))
-    pixels[opacity[:, 0] == 0] = 0
-    return pixels
+    stride = columns * SIDE
+    first = tile // columns * SIDE * stride + tile % columns * SIDE
+    for down in range(top // BLOCK, (bottom + BLOCK - 1) // BLOCK):
+        for c in ti.static(range(4)):
+            for column in range(ACROSS):
+                total = ti.f32(0.0) * lanes[0]
+                begin = place + down * BLOCK * ACROSS + column
+                for row in range(ti.min(BLOCK, bottom - down * BLOCK)):
+                    weight = lanes[begin + row * ACROSS + THROUGH * AREA]
+                    if ti.static(c == THROUGH):
+                        total = total + weight
+                    else:
+                        total = total + weight * lanes[begin + row * ACROSS + c * AREA]
+                lanes[place + SLOTS + column] = total
+            for side in range(SIDE):
+                total = ti.f32(0.0)
+                for n in range(BLOCK):
+                    total += numbers[(place + SLOTS) * LANES + side * BLOCK + n]
+                blocks[(first + down * stride + side) * NOTES + c] = ti.cast(total, ti.i32)
+        for side in range(SIDE):
+            blocks[(first + down * stride + side) * NOTES + 4] = UNKNOWN
 
 
-def _curve(light: np.ndarray) -> np.ndarray:
-    """Encode light from 0 to 1."""
-    return _ENCODED[(light * FINE + 0.5).astype(np.int32)]
+@ti.func
+def write_clear(
+    lanes: ti.template(),
+    numbers: ti.template(),
+    windows: ti.template(),
+    bins: ti.template(),
+    blocks: ti.template(),
+    place: ti.i32,
+    out: ti.template(),
+    tile,
+    x0,
+    y0,
+    x1,
+    top,
+    bottom,
+):
+    """Write colours and opacities of the rows from top to before bottom, whose planes hold light and what shows through."""
+    width = bins[0]
+    _suit(lanes, windows, bins[5], place, top, bottom)
+    _sum_blocks(lanes, numbers, place, blocks, (width + TILE - 1) // TILE, tile, top, bottom)
+    for y in range(top, bottom):
+        for x in range(x0, x1):
+            for c in ti.static(range(4)):
+                number = numbers[place * LANES + c * TILE * TILE + y * TILE + x - x0]
+                out[((y0 + y) * width + x) * 4 + c] = ti.cast(number, ti.u8)
+
+
+@ti.func
+def _near(blocks: ti.template(), windows: ti.template(), at: ti.i32, columns: ti.i32, rows: ti.i32, x: ti.i32, y: ti.i32):
+    """Give the mean colour in and around a block, as one number, or the ground's where nothing is."""
+    sums = ti.Vector([0, 0, 0, 0])
+    for v in range(ti.max(y - 1, 0), ti.min(y + 2, rows)):
+        for u in range(ti.max(x - 1, 0), ti.min(x + 2, columns)):
+            for c in ti.static(range(4)):
+                sums[c] += blocks[(v * columns + u) * NOTES + c]
+    near = 0
+    for c in ti.static(range(3)):
+        level = ti.cast(encoded(windows[at, c]) * ti.f32(255.0) + ti.f32(0.5), ti.i32)
+        if sums[3] > 0:
+            level = (2 * sums[c] + sums[3]) // (2 * sums[3])
+        near += level << (8 * c)
+    return near
+
+
+@ti.func
+def _fill(out: ti.template(), near: ti.i32, width: ti.i32, left: ti.i32, top: ti.i32, right: ti.i32, bottom: ti.i32):
+    """Give pixels that show nothing a colour."""
+    for y in range(top, bottom):
+        for x in range(left, right):
+            spot = (y * width + x) * 4
+            if out[spot + 3] == ti.u8(0):
+                for c in ti.static(range(3)):
+                    out[spot + c] = ti.cast((near >> (8 * c)) & 255, ti.u8)
+
+
+@ti.func
+def fill_blocks(
+    blocks: ti.template(), windows: ti.template(), bins: ti.template(), out: ti.template(), chunk: ti.i32, chunks: ti.i32
+):
+    """Give the pixels of a share of the blocks that show nothing the colour of what is near, wherever that is another now."""
+    width, height = bins[0], bins[1]
+    columns, rows = (width + TILE - 1) // TILE * SIDE, (height + TILE - 1) // TILE * SIDE
+    for block in range(rows * chunk // chunks * columns, rows * (chunk + 1) // chunks * columns):
+        x, y, note = block % columns, block // columns, block * NOTES + 4
+        near = _near(blocks, windows, bins[5], columns, rows, x, y)
+        if near != blocks[note]:
+            blocks[note] = near
+            right, bottom = ti.min((x + 1) * BLOCK, width), ti.min((y + 1) * BLOCK, height)
+            _fill(out, near, width, x * BLOCK, y * BLOCK, right, bottom)

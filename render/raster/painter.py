@@ -26,6 +26,7 @@ from render.raster.shapes import (
     STROKE,
     TWEAK,
 )
+from render.raster.tiles import texels_along
 from tiswarm.simd.lanes import anywhere, larger, smaller
 
 THROUGH, MASK = 3, 4
@@ -109,13 +110,13 @@ def _paint_cloud(
     stride, first = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
     half, done = ti.f32(0.5), -1
     for y in range(top, bottom):
-        v = ti.min(ti.max((ti.cast(y, ti.f32) + half - ay) * per_y, ti.f32(0.0)), down) + half
+        v = texels_along(y, ay, per_y, down)
         row = ti.cast(v, ti.i32)
         # Rows of texels between columns, the one above and the one below, each reckoned once for all rows of pixels.
         for line in range(ti.max(row, done + 1), row + 2):
             slot = SLOTS + line % 2 * 4 * ACROSS
             for x in range(left, right):
-                u = ti.min(ti.max((ti.cast(x, ti.f32) + half - ax) * per_x, ti.f32(0.0)), across) + half
+                u = texels_along(x, ax, per_x, across)
                 column = ti.cast(u, ti.i32)
                 at, later = first + line * stride + column, u - ti.cast(column, ti.f32)
                 near, far = texels[cells[at]], texels[cells[at + 1]]

@@ -4,10 +4,11 @@
 import taichi as ti
 
 from render.raster.encode import TILE
-from render.raster.shapes import ALPHA, BOUNDS, BOX, CAPSULE, DART, KIND, PLACE, QUAD, SIZE, SOFT, STROKE, TWEAK, WINDOW
+from render.raster.shapes import ALPHA, BOUNDS, BOX, CAPSULE, CLOUD, DART, KIND, PLACE, QUAD, SIZE, SOFT, STROKE, TWEAK, WINDOW
 
 HEAD = 8
-"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows. Each argument costs a launch some time.
+"""Numbers ahead of the bins: width, height, shapes, mode, room for entries, windows, whether one thread does all, and whether
+there is a cloud, which the kernel notes. Each argument costs a launch some time.
 
 Behind it are where each tile's entries begin, and where the last ones end; for each part of the shapes a number for each tile;
 then the entries: of each tile, in drawing order, the shapes that it shows."""
@@ -90,6 +91,8 @@ def count_shapes(shapes: ti.template(), windows: ti.template(), bins: ti.templat
         for tile in range(tiles):
             bins[own + tile] = 0
     for n in range(begin, end):
+        if shapes[n, KIND] == CLOUD:
+            bins[7] = 1
         if _fit(shapes, n, windows):
             left, top, right, bottom = _corners(shapes, n)
             for row in range(top, bottom + 1):
@@ -133,11 +136,58 @@ def list_shapes(shapes: ti.template(), bins: ti.template(), part: ti.i32):
 
 
 @ti.func
-def rows(shapes: ti.template(), bins: ti.template(), first: ti.i32, entries: ti.i32, y0: ti.i32):
+def texels_along(at: ti.i32, origin: ti.f32, per: ti.f32, most: ti.f32) -> ti.f32:
+    """Give where the middle of a pixel lies between a cloud's texels along an axis: those before and behind it.
+
+    at: the pixel. origin: where the cloud begins [px]; per: cells a pixel; most: cells in all.
+    """
+    half = ti.f32(0.5)
+    return ti.min(ti.max((ti.cast(at, ti.f32) + half - origin) * per, ti.f32(0.0)), most) + half
+
+
+@ti.func
+def _cloudy(shapes: ti.template(), n: ti.i32, cells: ti.template(), texels: ti.template(), x0: ti.i32, y0: ti.i32) -> ti.i32:
+    """Tell whether anything of cloud n shows in a tile: most of many clouds is nothing, and need not be drawn."""
+    ax, ay, per_x, per_y = shapes[n, PLACE], shapes[n, PLACE + 1], shapes[n, PLACE + 2], shapes[n, PLACE + 3]
+    across, down = shapes[n, SIZE] * per_x, shapes[n, SIZE + 1] * per_y
+    stride, begin = ti.cast(shapes[n, TWEAK], ti.i32), ti.cast(shapes[n, STROKE], ti.i32)
+    left, top = ti.max(ti.cast(shapes[n, BOUNDS], ti.i32), x0), ti.max(ti.cast(shapes[n, BOUNDS + 1], ti.i32), y0)
+    right = ti.min(ti.cast(shapes[n, BOUNDS + 2], ti.i32), x0 + TILE) - 1
+    bottom = ti.min(ti.cast(shapes[n, BOUNDS + 3], ti.i32), y0 + TILE) - 1
+    west, east = ti.cast(texels_along(left, ax, per_x, across), ti.i32), ti.cast(texels_along(right, ax, per_x, across), ti.i32)
+    north, south = ti.cast(texels_along(top, ay, per_y, down), ti.i32), ti.cast(texels_along(bottom, ay, per_y, down), ti.i32)
+    most = ti.f32(0.0)
+    for row in range(north, south + 2):
+        if most <= ti.f32(0.0):
+            for at in range(begin + row * stride + west, begin + row * stride + east + 2):
+                most = ti.max(most, texels[cells[at]][3])
+    return ti.cast(most > ti.f32(0.0), ti.i32)
+
+
+@ti.func
+def rows(
+    shapes: ti.template(),
+    cells: ti.template(),
+    texels: ti.template(),
+    bins: ti.template(),
+    first: ti.i32,
+    entries: ti.i32,
+    x0: ti.i32,
+    y0: ti.i32,
+):
     """Give the rows of a tile that its entries touch, in pairs, which share their chroma: the first and one past the last."""
     top, bottom = TILE, 0
-    for entry in range(first, first + entries):
-        n = bins[entry]
-        top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
-        bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
+    if bins[7] == 0:  # a loop of its own: thousands of shapes may lie in a tile
+        for entry in range(first, first + entries):
+            n = bins[entry]
+            top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
+            bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
+    else:
+        for entry in range(first, first + entries):
+            n, seen = bins[entry], 1
+            if shapes[n, KIND] == CLOUD:
+                seen = _cloudy(shapes, n, cells, texels, x0, y0)
+            if seen:
+                top = ti.min(top, ti.cast(shapes[n, BOUNDS + 1], ti.i32) - y0)
+                bottom = ti.max(bottom, ti.cast(shapes[n, BOUNDS + 3], ti.i32) - y0)
     return ti.max(top, 0) // 2, (ti.min(bottom, TILE) + 1) // 2

@@ -1,5 +1,7 @@
 """Density: agents too many to be drawn one by one, as a cloud that is denser and brighter where they crowd."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from render.language import Language
@@ -14,6 +16,9 @@ from render.source import is_endless
 from render.theme import Theme
 from tiswarm.records.recording import Recording
 from tiswarm.space import box
+
+if TYPE_CHECKING:
+    from render.scene.cells import Cells
 
 BLUR = 8
 """Each agent is spread over the cells around its own, by one and a half of them: so often each cell is added to the next."""
@@ -36,6 +41,7 @@ class Density:
         self._paths, self._theme, self._atlas = paths, theme, atlas
         self._counted = np.full_like(lone, True) if lone.all() else ~lone
         self._written: list[tuple[np.ndarray, np.ndarray]] = []
+        self._cells: dict[int, Cells] = {}  # of each subject
         self._many = [int((self._counted & (paths.scene == scene)).sum()) for scene in range(len(paths.subjects))]
         self.scale = scale_of(theme, self._most(), veiled=bool(lone.all()), counted=self._words(words))
 
@@ -81,7 +87,7 @@ class Density:
 
     def _flat(self, spots: np.ndarray, many: int, scene: int, camera: Camera, window: np.ndarray) -> list[np.ndarray]:
         """Spread agents over the ground, whatever the camera does: the cloud does not crawl when it moves."""
-        from render.scene.cells import counted
+        from render.scene.cells import Cells
 
         world = self._paths.subjects[scene].scenario.world
         size = np.array(world.size[:2], float)
@@ -99,9 +105,9 @@ class Density:
             past = np.clip(np.ceil(seen[1]) + BLUR, first + 1, cells + rim).astype(int)
         low, far, cells = first * edge, past * edge, past - first
         mode = "wrap" if box.wraps(world.boundary) else "symmetric" if box.bounded(world.boundary) else "constant"
-        density = _spread(counted(spots, low, far, cells), mode) * np.float32(np.prod(cells / (far - low)))
-        levels = self.scale.level(density)[::-1]  # y points up in the world, not on the screen
-        start, shapes = self._write(levels, self.scale.colours), []
+        own = self._cells.setdefault(scene, Cells())
+        steps = own.steps(spots, low, far, cells, mode, float(np.prod(cells / (far - low))), self.scale.top)
+        start, shapes = self._write(steps, self.scale.colours), []
         period = box.period(world.size[:2], world.boundary)
         seen = np.concatenate([edges[0] - size / 2, edges[1] + size / 2])
         _, shifts = images((size / 2)[None], seen[None], period[None])

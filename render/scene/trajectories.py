@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.scene.curves import along, lay
 from render.source import Kind, Live, Moment, played
 from tiswarm.records.recording import FATES, Recording
 from tiswarm.space import box
@@ -128,8 +129,8 @@ class Trajectories:
         for part in self._parts:
             if part.scene == scene:
                 moment, agents = both[part.kind], part.agents
-                self._place[agents], self._slope[agents] = moment.position, moment.velocity
-                self._slope[agents] *= dt
+                self._place[agents] = moment.position
+                np.multiply(moment.velocity, dt, out=self._slope[agents], dtype=float)
                 self._state[agents], self._group[agents] = _codes(moment.state), moment.group
                 leaving = np.isnan(self._place[agents, 0]) & np.isinf(self.end[agents])
                 if leaving.any():
@@ -149,18 +150,18 @@ class Trajectories:
                 ticks[scene] = both
         if not ticks:
             return
-        self._begin, self._leaving = self._place.copy(), self._slope.copy()
+        self._begin[:], self._leaving[:] = self._place, self._slope
         self._state_before[:], self._group_before[:] = self._state, self._group
         for scene, both in ticks.items():
             self._note(scene, both)
         self.loaded += 1
         self._let_in()
-        self._ahead, self._coming = self._begin + self.shortest(self._place - self._begin), self._slope.copy()
+        np.add(self._begin, self.shortest(self._place - self._begin), out=self._ahead)
+        self._coming[:] = self._slope
         gone = np.flatnonzero(np.isnan(self._place[:, 0]) & np.isinf(self.end))
         if len(gone):
             self._let_go(gone)
-        chord, va, vb = self._ahead - self._begin, self._leaving, self._coming
-        self._bend, self._twist = 3 * chord - 2 * va - vb, va + vb - 2 * chord
+        lay(self._begin, self._ahead, self._leaving, self._coming, self._bend, self._twist)
         if len(self._knots):
             self._tie()
         self._tell()
@@ -244,7 +245,7 @@ class Trajectories:
 
     def _between(self, f: float) -> np.ndarray:
         """Give places at a share of the way between the two ticks that are loaded."""
-        return self.within(self._begin + f * (self._leaving + f * (self._bend + f * self._twist)))
+        return self.within(along(f, self._begin, self._leaving, self._bend, self._twist))
 
     def reach(self, time: float) -> bool:
         """Load what is known up to a time; tell whether something still moves then.
@@ -293,7 +294,7 @@ class Trajectories:
 
 def _codes(state: np.ndarray) -> np.ndarray:
     """Turn names of states into numbers."""
-    codes = np.where(state == "calm", CALM, ACTING).astype(np.uint8)
-    for name, code in _NAMED:
+    codes = np.where(state == "calm", np.uint8(CALM), np.uint8(ACTING))
+    for name, code in _NAMED if codes.any() else ():
         codes[state == name] = code
     return codes

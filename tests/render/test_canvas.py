@@ -59,6 +59,15 @@ def test_what_is_hidden_leaves_no_trace(canvas):
     assert (whole == upper).all()
 
 
+def test_one_thread_draws_what_all_draw(canvas):
+    rows = shapes.discs(np.random.default_rng(4).uniform((0, 0), (200, 120), (300, 2)), 7, WHITE, 0.4)
+    canvas.lay((0.1, 0.2, 0.3), shapes.NONE)
+    plates = canvas.blank(), canvas.blank()
+    plates[1].calm = True
+    one, other = (canvas.draw(rows, None, plate) for plate in plates)
+    assert (one == other).all()
+
+
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_dart_covers_its_polygon(canvas, offset):
     length, width, notch = 30.0, 20.0, 25.0

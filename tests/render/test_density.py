@@ -11,8 +11,9 @@ from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
 from render.raster.shapes import colour
 from render.scene import orbits, scene
+from render.scene.cells import Cells
 from render.scene.density import _counted
-from render.scene.scale import Scale, even, lab
+from render.scene.scale import STEPS, Scale, even, lab
 from render.style import Look
 from render.theme import THEMES
 from tiswarm.records.recording import Recording
@@ -60,6 +61,19 @@ def test_across_the_edge_of_a_periodic_world_crowds_go_on():
     counts, moved = (_counted(np.mod(places + shift, 1), cells, "wrap") for shift in (0, (0.25, 0.5)))
     assert np.allclose(np.roll(counts[1:-1, 1:-1], (15, 10), axis=(0, 1)), moved[1:-1, 1:-1], atol=1e-5)
     assert np.allclose(counts[:, 0], counts[:, 40])
+
+
+@pytest.mark.parametrize("mode", ["constant", "wrap", "symmetric"])
+def test_a_kernel_finds_the_steps_that_arithmetic_finds(mode):
+    scale, cells = Scale(80.0, np.zeros((1, 4)), ""), Cells()
+    for columns, rows in ((40, 30), (3, 57), (61, 2), (40, 30)):  # one after the other in the same memory
+        low, far, size = np.array([-3.0, 2.0]), np.array([5.0, 8.0]), np.array([columns, rows])
+        points = np.random.default_rng(rows).normal((1, 5), (3, 2), (700, 2))
+        points[7] = np.nan
+        density = _counted((points - low) / (far - low), size, mode) * np.float32(columns * rows / 48)
+        steps = cells.steps(points, low, far, size, mode, columns * rows / 48, 80.0)
+        assert (steps == scale.level(density)[::-1]).all()
+        assert len(np.unique(steps)) > 20
 
 
 def test_a_cloud_blends_between_its_texels():
@@ -144,8 +158,15 @@ def evenly(make, apart: float, dim: int = 2, layers: int = 1) -> Recording:
 @pytest.mark.parametrize(("dim", "layers"), [(2, 1), (3, 1), (3, 4)])
 def test_a_colour_is_a_number_of_agents_on_a_square_metre(make, crowded, monkeypatch, dim, layers):
     levels = []
-    level = Scale.level
+    level, steps = Scale.level, Cells.steps
+
+    def watched(self, *given):
+        found = steps(self, *given)
+        levels.append(given[-1] * (found / (STEPS - 1)) ** 2)
+        return found
+
     monkeypatch.setattr(Scale, "level", lambda self, density: levels.append(density) or level(self, density))
+    monkeypatch.setattr(Cells, "steps", watched)
     monkeypatch.setattr(orbits, "PITCH", np.pi / 2)  # from straight above layers hide each other
     stage, _ = picture(evenly(make, 0.5, dim, layers))
     assert np.quantile(levels[-1][levels[-1] > 2], 0.8) == pytest.approx(4.0 * layers, rel=0.1), "as perspective shows it"
