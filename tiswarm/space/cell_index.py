@@ -21,6 +21,7 @@ class CellIndex:
     """From positions to cells and their places."""
 
     cells_of: Func  # give the cell along each of three axes, 0 along one that the world does not have
+    lane_cells: Func  # give the cells of lanes along an axis, as reals
     place_of: Func  # give the place of a position in its trial's table
     places_of: Func
     image_of: Func  # tell in which image of a periodic world a cell lies: -1, 0 or 1
@@ -63,12 +64,17 @@ def build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: t
         return place
 
     @ti.func
+    def lane_cells(x, axis: ti.template(), whole: ti.template(), reals: ti.template()):
+        """Give the cells of lanes along an axis, as reals."""
+        wide = doubles([ti.cast(x[lane], ti.f64) for lane in ti.static(range(LANES))])
+        return possible(wide * reals[PER_METRE + axis], axis, whole)
+
+    @ti.func
     def places_of(p, whole: ti.template(), reals: ti.template()):
         """Give the places of the positions of lanes; Taichi converts numbers one by one, LLVM puts them together again."""
         places = integers(0)
         for axis in ti.static(range(dimensions)):
-            wide = doubles([ti.cast(p[axis][lane], ti.f64) for lane in ti.static(range(LANES))])
-            cell = possible(wide * reals[PER_METRE + axis], axis, whole)
+            cell = lane_cells(p[axis], axis, whole, reals)
             along = integers([ti.cast(cell[lane], ti.i32) for lane in ti.static(range(LANES))])
             if ti.static(axis > 0):
                 along *= whole[STRIDE_Y + axis - 1]
@@ -102,6 +108,7 @@ def build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: t
 
     return CellIndex(
         cells_of=cells_of,
+        lane_cells=lane_cells,
         place_of=place_of,
         places_of=places_of,
         image_of=image_of,

@@ -183,6 +183,7 @@ class CellFuncs(Traversal, Sorts):
     count_x: int  # the head's entry with the number of cells along x
     across: Func  # the way between two coordinates, across a periodic edge where that is shorter
     cells_of: Func
+    lane_cells: Func
     place_of: Func
 
 
@@ -242,6 +243,7 @@ def _build(types: Types, dimensions: int, periodic: bool, hashed: bool, narrow: 
         count_x=COUNT_X,
         across=at.across,
         cells_of=at.cells_of,
+        lane_cells=at.lane_cells,
         place_of=at.place_of,
         **vars(traversal.build(types, dimensions, periodic, hashed, at)),
         **vars(counting_sort.build(row, agent_array, whole_array, row_array)),

@@ -40,13 +40,11 @@ def build(funcs: Any, types: Types, dim: int, meet: Callable[..., Any]) -> Func:
     def cross(view: ti.template(), p: ti.template(), crowd: ti.template(), trial):
         """Let lanes at p meet all within reach, together where they are close to each other, else one by one."""
         whole = ti.static(crowd.whole)
-        first = funcs.cells_of([p[k][0] for k in ti.static(range(dim))], whole, crowd.reals)
-        low = ti.Vector([first[0], first[1], first[2]])
-        high = ti.Vector([first[0], first[1], first[2]])
-        for lane in ti.static(range(1, LANES)):
-            cells = funcs.cells_of([p[k][lane] for k in ti.static(range(dim))], whole, crowd.reals)
-            for k in ti.static(range(3)):
-                low[k], high[k] = ti.min(low[k], cells[k]), ti.max(high[k], cells[k])
+        low = ti.Vector([0, 0, 0])
+        high = ti.Vector([0, 0, 0])
+        cells = [funcs.lane_cells(p[k], k, whole, crowd.reals) for k in ti.static(range(dim))]
+        for k in ti.static(range(dim)):
+            low[k], high[k] = ti.cast(cells[k].min(), ti.i32), ti.cast(cells[k].max(), ti.i32)
         close = together(whole, low, high)
         reach = ti.Vector([whole[REACH_X], whole[REACH_X + 1], whole[REACH_X + 2]])
         for part in range(ti.select(close == 1, 1, LANES)):
@@ -56,9 +54,9 @@ def build(funcs: Any, types: Types, dim: int, meet: Callable[..., Any]) -> Func:
                 here[0] = ti.select(lane == ti.cast(part, real), p[0], FAR)
                 for lane_of in ti.static(range(LANES)):
                     if lane_of == part:
-                        cells = funcs.cells_of([p[k][lane_of] for k in ti.static(range(dim))], whole, crowd.reals)
-                        for k in ti.static(range(3)):
-                            low[k], high[k] = cells[k], cells[k]
+                        for k in ti.static(range(dim)):
+                            low[k] = ti.cast(cells[k][lane_of], ti.i32)
+                            high[k] = low[k]
             box(view, here, crowd.agents, whole, crowd.reals, trial, low - reach, high + reach)
 
     return cross
