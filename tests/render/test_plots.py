@@ -127,16 +127,7 @@ def test_wrong_input_is_told_in_one_line(tmp_path, command):
     assert len(done.stderr.splitlines()) == 1
     hidden = "import importlib.util as u; find = u.find_spec; u.find_spec = lambda name, *a: None if name == 'matplotlib' else "
     hidden += "find(name, *a)\nimport sys, tiswarm.__main__ as m; sys.argv[0] = 'tiswarm'; m.main()"
-    line = [
-        sys.executable,
-        "-c",
-        f"import sys; sys.argv[0] = 'tiswarm'; {hidden}",
-        "run",
-        "m20/hawk",
-        "--plot",
-        "--trials",
-        "2",
-    ]
+    line = [sys.executable, "-c", hidden, "run", "m20/hawk", "--plot", "--trials", "2"]
     done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, timeout=300, env=os.environ, check=False)
     assert done.returncode == 2
     assert done.stderr == "tiswarm: --plot: plots need matplotlib; pip install 'tiswarm[plot]'\n"
