@@ -109,6 +109,15 @@ def share(monkeypatch):
 
 
 @pytest.fixture
+def small_films(monkeypatch):
+    """Let commands that ask for no size film few pixels: most of what they take goes into the encoder, which others test."""
+    import render
+
+    film = render.film
+    monkeypatch.setattr(render, "film", lambda *given, **look: film(*given, **{"size": (320, 180), "quality": "draft", **look}))
+
+
+@pytest.fixture
 def command(capsys, monkeypatch):
     """Run the command line within this process, for the many cases that a process each would spend on imports."""
 

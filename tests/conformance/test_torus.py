@@ -89,7 +89,7 @@ def _works(kind, name, dim):
 
 
 def triples():
-    """Join strategies, so that few kernels hold all of them: prey, predators, avoidance, dimensions."""
+    """Join strategies, so that few trials have all of them: prey, predators, avoidance, dimensions."""
     for dim in (2, 3):
         able = [[name for name in registry.names(kind) if _works(kind, name, dim)] for kind in registry.KINDS]
         for k in range(max(map(len, able))):
@@ -105,20 +105,22 @@ def scenario_with(prey, predators, avoidance, dim, **changes):
 
 
 @pytest.mark.parametrize(("prey", "predators", "avoidance", "dim"), list(triples()))
-def test_half_a_world_away_everything_is_the_same(prey, predators, avoidance, dim, f64):
+def test_half_a_world_away_everything_is_the_same(prey, predators, avoidance, dim, f64, share):
+    share([scenario_with(*each) for each in triples() if each[-1] == dim])
     assert keeps_still(scenario_with(prey, predators, avoidance, dim)) < 1e-6
 
 
-@pytest.mark.parametrize(
-    ("prey", "predators", "avoidance", "dim"),
-    [
-        ("explode", "centre", "directed-spiral", 2),
-        ("split", "pronav", "distance-perception", 2),
-        ("swallow", "hawk", "steer-away", 2),
-        ("lookout", "centre", "outward", 3),
-    ],
-)
-def test_large_swarms_have_no_edge_either(prey, predators, avoidance, dim, f64):
+LARGE = [
+    ("explode", "centre", "directed-spiral", 2),
+    ("split", "pronav", "distance-perception", 2),
+    ("swallow", "hawk", "steer-away", 2),
+    ("lookout", "centre", "outward", 3),
+]
+
+
+@pytest.mark.parametrize(("prey", "predators", "avoidance", "dim"), LARGE)
+def test_large_swarms_have_no_edge_either(prey, predators, avoidance, dim, f64, share):
+    share([scenario_with(*each) for each in LARGE if each[-1] == dim])
     scenario = scenario_with(prey, predators, avoidance, dim, **{"world.neighbours": "all-pairs"})
     grid = scenario.replaced({"world.neighbours": "grid"})
     still = np.zeros(dim)

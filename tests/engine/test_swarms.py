@@ -8,12 +8,15 @@ import tiswarm
 from tiswarm.dynamics.specialisation import Specialisation
 from tiswarm.dynamics.table import ParameterTable
 from tiswarm.engine.choice import by_grid
+from tiswarm.engine.swarms import compiled
+from tiswarm.engine.swarms.population import space_of
 from tiswarm.engine.swarms.simulation import Swarm
 from tiswarm.engine.swarms.transfer import kept_rows
 from tiswarm.engine.trials.trial import Single
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import validated
 from tiswarm.simd import runtime
+from tiswarm.space.cell_list import Grid
 from tiswarm.strategies import registry
 
 
@@ -263,6 +266,19 @@ def test_who_uses_a_grid():
     assert by_grid(flock.replaced({"measures.names": ["polarisation"]}))  # measuring never changes who runs it
     with pytest.raises(ScenarioError, match=r"world\.neighbours: all pairs of 20,000"):
         by_grid(flock.replaced({"prey.count": 20_000, "world.neighbours": "all-pairs"}))
+
+
+def test_swarms_of_one_kind_of_world_share_the_kernels_of_contact():
+    def kernels(changes):
+        scenario = tiswarm.load("delft/pronav-10", changes)
+        layout = ParameterTable(Specialisation.of([scenario], 1), runtime.types().lanes)
+        grids = {kind: Grid(space_of(scenario, kind), 5.0, 20) for kind in ("prey", "predators", "obstacles")}
+        return compiled.of(layout, grids).contacts
+
+    plain = kernels({})
+    assert kernels({"prey.strategy": "split-evasive", "predators.strategy": "centre", "prey.nearest": 4}) is plain
+    assert kernels({"prey.avoidance": "outward"}) is not plain
+    assert kernels({"world.contact_test": "swept"}) is not plain
 
 
 def test_a_swarm_can_be_filmed_while_it_runs(crowd, f32, tmp_path):

@@ -10,7 +10,7 @@ from tiswarm.engine.trials.kernel import OUTCOMES
 from tiswarm.simd import runtime
 from tiswarm.strategies import registry
 
-# Each strategy once; all pairs, mixed in one kernel, are test_properties.py's.
+# Each strategy once, in a kernel of its own, which two tests share; all pairs, mixed in one kernel, are test_properties.py's.
 PAIRS = [(prey, "pronav") for prey in registry.names("prey")]
 PAIRS += [("evasive", predator) for predator in registry.names("predators") if predator != "pronav"]
 
@@ -31,6 +31,16 @@ def test_a_trial_alone_is_the_trial_in_the_batch(strategy):
         assert (path.prey.fate == "arrived").sum() == batch_of_many.arrived[trial]
         assert (path.prey.fate == "captured").sum() == batch_of_many.captured[trial]
         assert (path.prey.fate == "crashed").sum() == batch_of_many.crashed[trial]
+
+
+@pytest.mark.parametrize(("prey", "predator"), PAIRS)
+def test_counts_add_up_and_paths_are_finite(prey, predator):
+    scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": prey, "predators.strategy": predator})
+    results = tiswarm.simulate(scenario, 64)
+    np.testing.assert_array_equal(results.alive + results.captured + results.crashed + results.arrived, results.spawned)
+    path = tiswarm.record(scenario)
+    path.check()
+    assert np.isfinite(path.prey.position[path.prey.alive]).all()
 
 
 def test_a_larger_batch_begins_with_the_smaller_one():
@@ -157,26 +167,22 @@ class TestWeightsOfSingleTrials:
             tiswarm.simulate(scenario, 8, weights=weights)
 
 
-@pytest.mark.parametrize(("prey", "predator"), PAIRS)
-def test_counts_add_up_and_paths_are_finite(prey, predator):
-    scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": prey, "predators.strategy": predator})
-    results = tiswarm.simulate(scenario, 64)
-    np.testing.assert_array_equal(results.alive + results.captured + results.crashed + results.arrived, results.spawned)
-    path = tiswarm.record(scenario)
-    path.check()
-    assert np.isfinite(path.prey.position[path.prey.alive]).all()
-
-
 @pytest.mark.parametrize("avoidance", registry.names("avoidance"))
-def test_prey_and_predators_may_use_every_avoidance(avoidance):
-    scenario = tiswarm.load("delft/pronav-10", {"prey.avoidance": avoidance, "predators.avoidance": avoidance})
+def test_prey_and_predators_may_use_every_avoidance(avoidance, share):
+    keys = ("prey.avoidance", "predators.avoidance")
+    share([tiswarm.load("delft/pronav-10", dict.fromkeys(keys, name)) for name in registry.names("avoidance")])
+    scenario = tiswarm.load("delft/pronav-10", dict.fromkeys(keys, avoidance))
     results = tiswarm.simulate(scenario, 64)
     np.testing.assert_array_equal(results.alive + results.captured + results.crashed + results.arrived, 6)
 
 
-@pytest.mark.parametrize("strategy", [name for name in registry.names("prey") if name != "jump"])
-def test_a_world_turned_by_a_right_angle_about_the_origin_gives_the_path_turned(strategy, f64):
+TURNED = [name for name in registry.names("prey") if name != "jump"]
+
+
+@pytest.mark.parametrize("strategy", TURNED)
+def test_a_world_turned_by_a_right_angle_about_the_origin_gives_the_path_turned(strategy, f64, share):
     """Jump is left out: its kicks go into the first quadrant only, as the simulator's do."""
+    share([tiswarm.load("delft/pronav-10", {"prey.strategy": name}) for name in TURNED])
     # Steps of a second are far too long for forces that grow without bound: any rounding would.
     dt = 0.01 if strategy == "potential" else 1.0
     scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": strategy, "world.ticks": 40, "world.dt": dt})

@@ -1,8 +1,6 @@
 """The arms race: answers that gain are taken in, what is on disk is gone on with, and wrong rules are refused."""
 
 import json
-import subprocess
-import sys
 from itertools import pairwise
 
 import numpy as np
@@ -157,16 +155,16 @@ def test_a_race_with_networks_goes_on_to_the_same_end_in_another_folder(led, who
     assert (tmp_path / "moved" / "race.json").read_bytes() == (whole_led[0] / "race.json").read_bytes()
 
 
-def test_the_command_prints_rounds_and_writes_them(tmp_path):
+def test_the_command_prints_rounds_and_writes_them(tmp_path, command, small_films, f32):
     (tmp_path / "r.toml").write_text(RULES.replace("rounds = 2", "rounds = 1"))
-    command = [sys.executable, "-m", "tiswarm", "bench", str(tmp_path / "r.toml"), "-o", str(tmp_path / "out")]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    run = command("bench", "r.toml", "-o", "out", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
     assert "predators gain" in run.stdout
     assert (tmp_path / "out" / "payoff.png").is_file()
     assert (tmp_path / "out" / "film.mp4").is_file()
     told = json.loads((tmp_path / "out" / "race.json").read_text())
     assert {"value", "payoff", "answers", "prey", "predators"} <= told[0].keys()
-    refused = subprocess.run([*command, "--set", "prey.goal=1"], capture_output=True, text=True, timeout=60, check=False)
+    refused = command("bench", "r.toml", "-o", "out", "--set", "prey.goal=1", cwd=tmp_path)
     assert refused.returncode == 2
     assert "drop --set" in refused.stderr
 

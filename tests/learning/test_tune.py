@@ -160,7 +160,7 @@ KILLED = (
 
 
 @pytest.mark.parametrize("how", [("--halve",), ("--method", "openai-es")])
-def test_kill_at_any_moment_leaves_the_same_bits(tmp_path, how, command):
+def test_kill_at_any_moment_leaves_the_same_bits(tmp_path, how, command, small_films):
     asked = (*KILLED, *how)
     assert command("tune", *asked, "-o", "whole", cwd=tmp_path).returncode == 0
     chance = random.Random(14)

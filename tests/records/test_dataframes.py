@@ -153,9 +153,10 @@ def _run(*arguments, without=()):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
 
 
-def test_the_command_line_writes_each_format(tmp_path):
+def test_the_command_line_writes_each_format(tmp_path, command):
     for form, name in (("csv", "trials.csv"), ("parquet", "trials.parquet"), ("netcdf", "trials.nc")):
-        done = _run("run", "delft/avoidance-10", "--trials", 5, "--quiet", "-o", tmp_path / form, "--format", form)
+        words = ("--trials", 5, "--quiet", "-o", form, "--format", form)
+        done = command("run", "delft/avoidance-10", *words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert (tmp_path / form / name).is_file()
         assert json.loads((tmp_path / form / "manifest.json").read_text())["trials"] == 5

@@ -118,7 +118,11 @@ def test_a_full_disc(tmp_path):
         """
     )
     ran = subprocess.run(
-        [sys.executable, "-c", program], check=False, capture_output=True, text=True, env=os.environ | {"TI_OFFLINE_CACHE": "0"}
+        [sys.executable, "-c", program],
+        check=False,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"TI_OFFLINE_CACHE": "0", "TI_OFFLINE_CACHE_FILE_PATH": str(tmp_path / "kernels")},
     )
     assert ran.returncode == 1
     assert "said:" in ran.stderr

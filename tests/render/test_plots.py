@@ -109,30 +109,26 @@ def test_without_matplotlib_one_line_says_how_to_get_it(monkeypatch):
         time_series.check_matplotlib()
 
 
-def _run(*arguments, cwd=None, code="import tiswarm.__main__ as m; m.main()"):
-    command = [sys.executable, "-c", f"import sys; sys.argv[0] = 'tiswarm'; {code}", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300, env=os.environ, check=False)
-
-
-def test_run_writes_plots_where_they_belong(tmp_path):
+def test_run_writes_plots_where_they_belong(tmp_path, command):
     short = ("--trials", 2, "--set", "world.ticks=10", "--plot")
-    done = _run("run", "sanitation/arena", *short, cwd=tmp_path)
+    done = command("run", "sanitation/arena", *short, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert {file.name for file in (tmp_path / "out" / "sanitation-arena").iterdir()} == {*FILES, "coverage.png"}
     assert "out/sanitation-arena/coverage.png" in done.stdout.replace(os.sep, "/")
-    done = _run("run", "m20/two-swallows", *short, "-o", tmp_path / "own", "--json")
+    done = command("run", "m20/two-swallows", *short, "-o", tmp_path / "own", "--json", cwd=tmp_path)
     assert done.stdout.startswith("{")
     assert {file.name for file in (tmp_path / "own").iterdir()} == {*FILES, "trials.csv", "summary.json", "manifest.json"}
 
 
-def test_wrong_input_is_told_in_one_line(tmp_path):
+def test_wrong_input_is_told_in_one_line(tmp_path, command):
     (tmp_path / "file").write_text("")
-    done = _run("run", "m20/hawk", "--plot", "-o", tmp_path / "file" / "plots")
+    done = command("run", "m20/hawk", "--plot", "-o", tmp_path / "file" / "plots", cwd=tmp_path)
     assert done.returncode in (1, 2)
     assert len(done.stderr.splitlines()) == 1
     hidden = "import importlib.util as u; find = u.find_spec; u.find_spec = lambda name, *a: None if name == 'matplotlib' else "
-    hidden += "find(name, *a)\nimport tiswarm.__main__ as m; m.main()"
-    done = _run("run", "m20/hawk", "--plot", "--trials", 2, cwd=tmp_path, code=hidden)
+    hidden += "find(name, *a)\nimport sys, tiswarm.__main__ as m; sys.argv[0] = 'tiswarm'; m.main()"
+    line = [sys.executable, "-c", hidden, "run", "m20/hawk", "--plot", "--trials", "2"]
+    done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, timeout=300, env=os.environ, check=False)
     assert done.returncode == 2
     assert done.stderr == "tiswarm: --plot: plots need matplotlib; pip install 'tiswarm[plot]'\n"
     assert not (tmp_path / "out").exists()

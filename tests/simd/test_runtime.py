@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+from tiswarm.simd.runtime import MOST_KEPT
+
 BEGIN = """
 import sys, threading
 import tiswarm
@@ -22,7 +24,8 @@ def swarm():
 
 def run(code, timeout=240, limit=None, **environment):
     """Run code in a process of its own; None takes a variable away. Gives its exit code, output and lines of errors."""
-    kept = {name: value for name, value in {**os.environ, **environment}.items() if value is not None}
+    room = {"TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES": str(MOST_KEPT)}  # else a Taichi of others throws our kernels away
+    kept = {name: value for name, value in {**os.environ, **room, **environment}.items() if value is not None}
     done = subprocess.run(
         [sys.executable, "-c", BEGIN + code],
         capture_output=True,

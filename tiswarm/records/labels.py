@@ -29,7 +29,7 @@ def named(
     """Name each agent's state: what its strategy says, else alarmed when it sees an opponent, else calm: [agent].
 
     position, velocity: [agent, dim], m and m/s, others: [other, dim], m, NaN for those who are gone.
-    memories: strategy -> name -> [agent].
+    memories: strategy -> name -> [agent]; those of strategies that the scenario does not have name nobody.
     """
     agents = getattr(scenario, kind)
     state = np.full(len(position), "calm", dtype="<U12")
@@ -37,8 +37,9 @@ def named(
         period = box.period(scenario.world.size, scenario.world.boundary) * scenario.world.wrap_sight
         there = others[np.isfinite(others[:, 0])]
         state[_seen(position, velocity, there, agents.perception, agents.field_of_view, period)] = "alarmed"
+    own = registry.parts(kind, agents.strategy)
     for name, memory in memories.items():
-        if memory:
+        if memory and name in own:
             for label, members in registry.load(kind, name).states(memory, agents.weights).items():
                 state[members] = label
     state[np.isnan(position[:, 0])] = "calm"

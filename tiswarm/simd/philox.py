@@ -24,7 +24,7 @@ def philox(a, b, c, d, key_low, key_high):
 
     Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11; Random123 has the test vectors.
     """
-    for _ in ti.static(range(_ROUNDS)):
+    for _ in range(_ROUNDS):
         high_a = _high_product(a, 0xD2511F53)
         low_a = a * ti.u32(0xD2511F53)
         high_c = _high_product(c, 0xCD9E8D57)

@@ -1,4 +1,8 @@
-"""Contacts: who of large swarms dies and arrives, and what the obstacles' fields do; the rules are dynamics/contact.py's."""
+"""Contacts: who of large swarms dies and arrives, and what the obstacles' fields do; the rules are dynamics/contact.py's.
+
+A verdict asks nothing of strategies, so that swarms of many structures share its kernel (compiled.py), which has numbers of
+its own, laid out for that. An agent's cold columns begin with those that it knows, and it is told how many there are.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,8 +24,9 @@ from tiswarm.space.cells import CELLS, HEAD, SLOTS, TRIALS
 
 @dataclass(frozen=True)
 class ContactKernels:
-    """Kernels that judge a swarm's tick."""
+    """Kernels that judge a swarm's tick, and the layout of the numbers that they are given."""
 
+    layout: ParameterTable
     judge: Func
     cull_prey: Func
     cull_predators: Func
@@ -114,7 +119,7 @@ def _touches(parts: _Parts, kind: str, opponents: str) -> Func:
 
     @ti.func
     def meet_opponent(view: ti.template(), here: ti.template(), agents: ti.template(), j, reals: ti.template()):
-        whom = (view.trial * view.crowd.count + other.number_in(view.crowd.whole, j)) * other.wide
+        whom = (view.trial * view.crowd.count + other.number_in(view.crowd.whole, j)) * view.crowd.wide
         travel = [1.0 * view.travel[k] for k in ti.static(range(dim))]
         for k, column in ti.static(enumerate(came)):
             travel[k] = travel[k] - view.crowd.cold[whom + column]
@@ -178,9 +183,8 @@ def _settles(parts: _Parts) -> Func:
     def settle_predators(predators: ti.template(), block):
         """Let marked predators die."""
         trial = block * LANES // predators.whole[SLOTS]
-        wide = other.wide
         for slot in range(block * LANES, predators_end(predators, block)):
-            whom = (trial * predators.count + other.number_in(predators.whole, slot)) * wide
+            whom = (trial * predators.count + other.number_in(predators.whole, slot)) * predators.wide
             if predators.marks[slot] > 0.5 and predators.cold[whom] > 0.5:
                 predators.cold[whom] = real(0.0)
                 predators.cold[whom + 1] = float(CAPTURED)
@@ -205,14 +209,17 @@ def _cull(parts: _Parts, kind: str) -> Func:
     whole_array = ti.types.ndarray(dtype=ti.i32, ndim=1)
 
     @ti.kernel
-    def cull(agents: funcs.agent_array, whole: whole_array, reals: funcs.real_array, cold: cold_array, count: ti.i32):
+    def cull(
+        agents: funcs.agent_array, whole: whole_array, reals: funcs.real_array, cold: cold_array,
+        count: ti.i32, wide: ti.i32,
+    ):  # fmt: skip
         """Put agents where the sort expects moved ones; those who are dead lose their place in the table."""
         total = whole[SLOTS] * whole[TRIALS]
         for slot in range(total):
             trial = slot // whole[SLOTS]
             place = whole[CELLS] - 1
             if slot < funcs.alive_end(whole, trial):  # noqa: SIM102 - no row is read past the end
-                if cold[(trial * count + ferry.number_in(whole, slot)) * ferry.wide] > 0.5:
+                if cold[(trial * count + ferry.number_in(whole, slot)) * wide] > 0.5:
                     place = funcs.place_of(agents[slot], whole, reals)
             whole[HEAD + slot] = trial * whole[CELLS] + place
             whole[HEAD + 2 * total + slot] = whole[HEAD + total + slot]
@@ -224,7 +231,8 @@ def _cull(parts: _Parts, kind: str) -> Func:
 def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, near: Any) -> ContactKernels:
     """Build the kernel `judge`, and `cull` (kind -> kernel), which takes the dead out of the cells.
 
-    A crowd is as in near_cells.py, with `cold` and `count` (how many agents a trial starts with) beside.
+    A crowd is as in near_cells.py, with `cold`, `wide` (how many numbers it holds of an agent) and
+    `count` (how many agents a trial starts with) beside.
     """
     real, frame, hunted = types.real, layout.structure.frame, layout.structure.hunted
     carried = {kind: transfer.build(layout, types, see, senses, kind) for kind in ("prey", "predators")}
@@ -245,15 +253,16 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
         obstacle_agents: near.obstacles.agent_array, obstacle_whole: whole_array, obstacle_reals: near.obstacles.real_array,
         scratch: flat, numbers: flat, prey_marks: cold_array, predator_marks: cold_array, tally: whole_array,
         clock: whole_array,
-        prey_count: ti.i32, predator_count: ti.i32,
+        prey_count: ti.i32, predator_count: ti.i32, prey_wide: ti.i32, predator_wide: ti.i32,
     ):  # fmt: skip
         """Obstacles and the target kill, then pairs kill, then prey arrive: a parallel loop each."""
         prey = Bundle(
             agents=prey_agents, whole=prey_whole, reals=prey_reals, cold=prey_cold, count=prey_count, marks=prey_marks,
+            wide=prey_wide,
         )  # fmt: skip
         predators = Bundle(
             agents=predator_agents, whole=predator_whole, reals=predator_reals, cold=predator_cold, count=predator_count,
-            marks=predator_marks,
+            marks=predator_marks, wide=predator_wide,
         )  # fmt: skip
         obstacles = Bundle(agents=obstacle_agents, whole=obstacle_whole, reals=obstacle_reals)
         crowds = Bundle(prey=prey, predators=predators, obstacles=obstacles)
@@ -273,4 +282,4 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
             if index % TASK == 0:
                 settle_chunk(crowds, scratch, numbers, index // TASK, ti.cast(clock[MOVED], real), tally)
 
-    return ContactKernels(judge=judge, cull_prey=_cull(parts, "prey"), cull_predators=_cull(parts, "predators"))
+    return ContactKernels(layout, judge, cull_prey=_cull(parts, "prey"), cull_predators=_cull(parts, "predators"))

@@ -43,8 +43,10 @@ class SwarmState:
             cold = runtime.aligned((trials, max(position.shape[1], 1), len(kept)), types.dtype)
             self._crowds[kind] = Population(grid, cold, kept)
         self._prey, self._predators, self._obstacles = (self._crowds[kind] for kind in ("prey", "predators", "obstacles"))
-        self._kernels = self._built()
         self._numbers = initial.numbers_of(scenario, layout)
+        self._kernels = self._built()
+        own = self._kernels.contacts
+        self._judged_by = initial.numbers_of(scenario, own.layout) if own else self._numbers
         self._scratch = runtime.aligned((transfer.CHUNKS * transfer.scratch_rows(layout), LANES), types.dtype)
         prey = self._prey.grid
         dim, pieces = scenario.world.dim, -(-prey.slots // EIGHT // means.PIECE)
@@ -107,6 +109,8 @@ class SwarmState:
             if (space_of(before, kind), reach_of(before, kind)) != (space_of(scenario, kind), reach_of(scenario, kind)):
                 self._regrid(kind, crowd)
         self._kernels = self._built()
+        if self._kernels.contacts:
+            self._judged_by[:] = initial.numbers_of(scenario, self._kernels.contacts.layout)
         if self.age == 0:
             self._begin()
         self._judge(min(self.age, 1))
@@ -245,12 +249,15 @@ class SwarmState:
                 *predators.arrays,
                 predators.cold.ravel(),
                 *self._obstacles.arrays,
-                *self._tools,
+                self._scratch,
+                self._judged_by,
                 *self._marks,
                 self._tally.ravel(),
                 self._clock,
                 prey.grid.count,
                 predators.grid.count,
+                len(prey.kept),
+                len(predators.kept),
             )
             tally = self._tally.reshape(self.trials, -1, 4).sum(axis=1)
             self.counts[:, ALIVE] = tally[:, ALIVE]
@@ -279,5 +286,5 @@ class SwarmState:
 
     def _cull(self, kind: str) -> None:
         crowd = self._crowds[kind]
-        self._launch(f"cull_{kind}", *crowd.arrays, crowd.cold.ravel(), crowd.grid.count)
+        self._launch(f"cull_{kind}", *crowd.arrays, crowd.cold.ravel(), crowd.grid.count, len(crowd.kept))
         crowd.grid.sort()

@@ -42,21 +42,28 @@ class Transfer:
     save_rows: Func  # write the cold rows of a block's agents back
     save_shown: Func  # write what agents show of their memory into their records
     saves: Func
-    kept: list[int]  # the rows of an agent's cold columns
-    wide: int  # how many those are
+    kept: list[int]  # the rows of an agent's cold columns, the first of those that there are
     number_in: Func  # give the number of the agent in a slot, from 0 within its trial
 
 
 def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, kind: str):
-    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind."""
+    """Build load, save_rows, save_shown, number_in, and saves (a grid's funcs -> save_moved) for agents of a kind.
+
+    A crowd that is `wide` has so many cold columns, of which the layout knows the first ones, else just those.
+    """
     lanes, real = types.lanes, types.real
     dim, rows = len(layout.axes), layout.rows
     kept = kept_rows(layout, kind)
-    wide = len(kept)
+    known = len(kept)
     moving = [*rows.place, *rows.motion]
     shown = list(layout.shown(kind).values())
     told_rows = moving + shown
     columns = getattr(layout.at, kind)
+
+    def wide_of(crowd: Any) -> Any:
+        return getattr(crowd, "wide", known)
+
+    wide_of._is_taichi_function = False  # type: ignore[attr-defined]  # Python's, called while a kernel is built
 
     @ti.func
     def number_in(whole: ti.template(), slot):
@@ -72,7 +79,8 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
         scratch[a + rows.alive] = lanes(1.0)
         trial = first // crowd.whole[SLOTS]
         whom = [number_in(crowd.whole, ti.min(first + lane, end - 1)) for lane in ti.static(range(LANES))]
-        for k in ti.static(range(wide)):
+        wide = wide_of(crowd)
+        for k in ti.static(range(known)):
             scratch[a + kept[k]] = lanes(
                 [crowd.cold[(trial * count + whom[lane]) * wide + k] for lane in ti.static(range(LANES))]
             )
@@ -85,9 +93,10 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
     def save_rows(scratch: ti.template(), a, crowd: ti.template(), count, block, end):
         """Write the cold rows of a block's agents back."""
         trial = block * LANES // crowd.whole[SLOTS]
+        wide = wide_of(crowd)
         for lane in range(ti.min(end - block * LANES, LANES)):
             at = (trial * count + number_in(crowd.whole, block * LANES + lane)) * wide
-            for k in ti.static(range(wide)):
+            for k in ti.static(range(known)):
                 crowd.cold[at + k] = scratch[a + kept[k]][lane]
 
     @ti.func
@@ -106,9 +115,7 @@ def build(layout: ParameterTable, types: Types, see: Views, senses: CellSearch, 
 
         return save_moved
 
-    return Transfer(
-        load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, number_in=number_in, wide=wide, kept=kept
-    )
+    return Transfer(load=load, save_rows=save_rows, save_shown=save_shown, saves=saves, number_in=number_in, kept=kept)
 
 
 @ti.func

@@ -32,7 +32,7 @@ class Single:
         self.seed = seed
         self._blocks = Blocks([scenario], 1, terms=terms)
         surveying = self._blocks.layout.parts("predators", "strategy", "survey")
-        self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights[p.strategy.live]]
+        self._live = [p for p in surveying if p.strategy.live and scenario.predators.weights.get(p.strategy.live)]
         self._table = self._blocks.layout.table([scenario]).astype(self._blocks.dtype)
         self._trial = trial
         self._jobs = np.array([[0, trial]], np.int32)
