@@ -1,1 +1,1 @@
-"""SIMD: Taichi on a CPU: one runtime, vectors of eight lanes, random numbers by counter, prepared launches."""
+"""SIMD: Taichi on a CPU: one runtime, vectors of eight or sixteen lanes, random numbers by counter, prepared launches."""
