@@ -37,7 +37,7 @@ def run_spans(
             for scenario, (first, last) in zip(scenarios, spans, strict=True)
         ]
     batch.check_live(scenarios)
-    blocks = batch.Blocks([*scenarios, *company], runtime.start().threads, counts)
+    blocks = batch.Blocks([*scenarios, *company], runtime.start().threads, counts, spread=batch.SPREAD)
     table = blocks.layout.table(list(scenarios)).astype(blocks.dtype)
     places = np.concatenate(
         [np.stack([np.full(last - first, k), np.arange(first, last)], axis=1) for k, (first, last) in enumerate(spans)]

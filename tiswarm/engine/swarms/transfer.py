@@ -30,8 +30,11 @@ def kept_rows(layout: ParameterTable, kind: str) -> list[int]:
 
 
 def scratch_rows(layout: ParameterTable) -> int:
-    """Count the scratch rows of a chunk: enough for either kind, so that chunks at work on different kinds never meet."""
-    return max(layout.agent_rows.values())
+    """Count the scratch rows of a chunk: enough for either kind, so that chunks at work on different kinds never meet.
+
+    And as many again, which no chunk uses: what one core fetches ahead is not what another writes (batch.SPREAD).
+    """
+    return 2 * max(layout.agent_rows.values())
 
 
 @dataclass(frozen=True)

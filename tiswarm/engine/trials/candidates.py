@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tiswarm.engine.trials import kernel
-from tiswarm.engine.trials.batch import CHUNK, NO_LIMIT, Blocks, check_weights, other_end, refuse_strange, with_numbers
+from tiswarm.engine.trials.batch import CHUNK, NO_LIMIT, SPREAD, Blocks, check_weights, other_end, refuse_strange, with_numbers
 from tiswarm.records.results import Results
 from tiswarm.scenario.errors import ScenarioError
 from tiswarm.scenario.model import Scenario
@@ -35,7 +35,7 @@ class Candidates:
             counts = check_weights(scenario, {path: np.array(ends, np.float64) for path, ends in bounds.items()}, 2)
         _check_crossing(scenario, bounds)
         self._settings = runtime.start()
-        self._blocks = Blocks([scenario], self._settings.threads, counts)
+        self._blocks = Blocks([scenario], self._settings.threads, counts, spread=SPREAD)
 
     def run(
         self, values: np.ndarray, trials: np.ndarray, seed: int, networks: Mapping[str, np.ndarray] | None = None

@@ -185,6 +185,7 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
         key_low: ti.u32,
         key_high: ti.u32,
         blocks: ti.i32,
+        spread: ti.i32,  # every how manieth place in the arrays has a block
         moves: ti.i32,  # moves that each block makes at most before it pauses
     ):
         for index in range(blocks * TASK):
@@ -192,8 +193,8 @@ def _build(structure: Specialisation, types: Types) -> tuple[Any, ParameterTable
                 work = Bundle(table=table, jobs=jobs, queue=queue, results=results, measured=measured)
                 block = Bundle(
                     prey=prey, predators=predators, obstacles=obstacles, numbers=numbers, clock=clock, integer=integer,
-                    sums=sums, ground=ground, board=board, met=met, b=bounded(index // TASK),
-                    one=blocks + index // TASK,
+                    sums=sums, ground=ground, board=board, met=met, b=bounded(index // TASK * spread),
+                    one=(blocks + index // TASK) * spread,
                     counts=ti.Vector([prey_count, predator_count, obstacle_count]), key_low=key_low, key_high=key_high,
                 )  # fmt: skip
                 left = moves
