@@ -11,7 +11,7 @@ FAR = 1e29
 
 @ti.func
 def put(out: ti.template(), places: ti.template(), i, c, value):
-    """Write a number of eight trials, each at its place."""
+    """Write a number of a block's trials, each at its place."""
     for lane in ti.static(range(LANES)):
         out[places[lane], i, c] = ti.cast(value[lane], ti.f32)
 

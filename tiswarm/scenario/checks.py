@@ -205,7 +205,7 @@ def _worlds(dimensions: tuple[int, ...]) -> str:
 
 
 CELLS = 1_000_000
-"""Most cells of a coverage grid: each is counted for eight trials a thread."""
+"""Most cells of a coverage grid: each is counted for every lane of a thread."""
 
 
 def _check_measures(scenario: "Scenario") -> None:

@@ -1,1 +1,1 @@
-"""Swarms: few large trials, eight agents in the lanes, cell lists."""
+"""Swarms: few large trials, agents in the lanes, cell lists."""

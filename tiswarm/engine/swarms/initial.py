@@ -70,7 +70,7 @@ def _build(layout: ParameterTable, types: Types, kind: str) -> Any:
 
     @ti.kernel
     def draw(out: flat, numbers: flat, blocks: ti.i32, count: ti.i32, first: ti.i32, key_low: ti.u32, key_high: ti.u32):
-        """Draw eight agents a block, trial after trial."""
+        """Draw agents, as many a block as it has lanes, trial after trial."""
         for block in range(blocks):
             agents = [block * LANES + lane for lane in ti.static(range(LANES))]
             trial = integers([ti.cast(first + agent // count, ti.u32) for agent in ti.static(agents)])

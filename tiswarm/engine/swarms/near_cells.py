@@ -1,4 +1,4 @@
-"""Near cells: the senses of large swarms: eight agents a block see their neighbours, opponents and obstacles through grids.
+"""Near cells: the senses of large swarms: a block's agents see their neighbours, opponents and obstacles through grids.
 
 The funcs are those of perception.py. Here a crowd is a namespace of a grid's arrays: agents, whole, reals, and order, which
 maps numbers to slots where a strategy needs it.

@@ -1,4 +1,4 @@
-"""Simulation: large swarms, one or many at once; eight agents that follow each other in cell order are a thread's lanes."""
+"""Simulation: large swarms, one or many at once; agents that follow each other in cell order are a thread's lanes."""
 
 from collections.abc import Iterator
 from dataclasses import replace

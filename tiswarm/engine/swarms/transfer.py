@@ -1,4 +1,4 @@
-"""Transfer: bring eight agents of a large swarm from their grid into the rows that a trial's funcs work on, and back.
+"""Transfer: bring a block's agents of a large swarm from their grid into the rows that a trial's funcs work on, and back.
 
 What mates see lies in the grid's records, in cell order; all else lies in rows by number, which no sorting moves ("cold").
 """

@@ -1,1 +1,1 @@
-"""Trials: many small trials, eight of them in the lanes of a thread, all pairs."""
+"""Trials: many small trials, one in each lane of a thread, all pairs."""
