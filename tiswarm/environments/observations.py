@@ -1,4 +1,4 @@
-"""Observations: what an agent that obeys is shown, as numbers of about one, a block's trials at once; what is absent is zero."""
+"""Observations: what an agent that obeys is shown, as numbers of about one, many trials at once; what is absent is zero."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
