@@ -17,10 +17,15 @@ PARTS, FEW = 16, 1024
 """Shapes are listed side by side in so many parts at most, fewer where each would have less than FEW of them."""
 
 
-@ti.pyfunc
 def entries_from(tiles):
-    """Give where entries begin."""
+    """Give where entries begin, also inside kernels.
+
+    Python's own: a `pyfunc` asks Taichi whether a kernel is built, which another thread may do just then.
+    """
     return HEAD + 1 + (1 + PARTS) * tiles
+
+
+entries_from._is_taichi_function = False  # type: ignore[attr-defined]  # a kernel may call it without a warning
 
 
 @ti.func

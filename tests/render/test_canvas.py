@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
+from taichi.lang import impl
 
 from render.raster import shapes
 from render.raster.canvas import Canvas
 from render.raster.glyphs import Atlas
+from render.raster.tiles import entries_from
 
 OFFSETS = [(0.0, 0.0), (0.25, 0.6), (0.5, 0.5), (0.77, 0.31)]
 WHITE = (1.0, 1.0, 1.0)
@@ -142,3 +144,9 @@ def test_text_has_the_ink_of_its_letters(canvas):
     rows, columns = picture.any(axis=1).nonzero()[0], picture.any(axis=0).nonzero()[0]
     assert 75 <= rows[-1] <= 80
     assert 40 <= columns[0] <= 46
+
+
+def test_room_is_reckoned_while_another_thread_builds_a_kernel(canvas, monkeypatch):
+    """The feeder of an encoder builds one for frames with opacity; Taichi notes it for all threads."""
+    monkeypatch.setattr(impl.get_runtime(), "inside_kernel", True)
+    assert isinstance(entries_from(3), int)
