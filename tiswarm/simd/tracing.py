@@ -23,6 +23,8 @@ from importlib.machinery import ModuleSpec
 from types import CodeType, ModuleType, SimpleNamespace
 from typing import Any
 
+from tiswarm.simd import ranges
+
 READER = "taichi.lang.kernel_impl"
 """The module that decorates funcs and reads their source."""
 
@@ -63,7 +65,7 @@ class _Watch(importlib.abc.MetaPathFinder):
 def _lighten(kernel_impl: Any) -> None:
     """Let Taichi name a place by file, line and func, read and parse each func's source once, and copy a value once.
 
-    And let it see a class without its source. Twice does nothing more.
+    And let it see a class without its source, and step through ranges as ranges.py does. Twice does nothing more.
     """
     from taichi.lang.ast.ast_transformer import ASTTransformer
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
@@ -82,6 +84,7 @@ def _lighten(kernel_impl: Any) -> None:
         kernel_impl.ast = SimpleNamespace(parse=trees.take)
         kernel_impl.transform_tree = trees.returned_by(kernel_impl.transform_tree)
     ASTTransformer.build_Assign = staticmethod(_assigning(ASTTransformer.build_Assign))
+    ASTTransformer.build_range_for = staticmethod(ranges.opaque(ASTTransformer.build_range_for))
 
 
 def _spot(context: Any, node: Any) -> str:
