@@ -26,6 +26,9 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+        if signal.getsignal(number) is signal.SIG_IGN:  # by `nohup pytest &`, for commands that tests interrupt too
+            signal.signal(number, usual)
     if config.getoption("--kernels"):
         _watch_compiler()
 
