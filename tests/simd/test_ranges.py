@@ -63,3 +63,19 @@ def test_loops_are_pythons_and_only_ours_are_stepped(bounds, module, loops, whil
     ti.kernel(plain)(out, *bounds)
     assert out.reshape(4, 3).tolist() == [_by_hand(*bounds)] * 4
     assert len(whiles) == loops
+
+
+def test_under_an_index_that_may_be_negative_nothing_is_stepped(whiles):
+    """Whose sign would turn the stride around."""
+    runtime.init("f32")
+
+    def sums(out: ti.types.ndarray(dtype=ti.i32, ndim=1), count: ti.i32):
+        for index in range(-2, 2):
+            for i in range(count):
+                out[index + 2] += i
+
+    sums.__module__ = "tiswarm.engine.made"
+    out = np.zeros(4, np.int32)
+    ti.kernel(sums)(out, 5)
+    assert out.tolist() == [10] * 4
+    assert not whiles

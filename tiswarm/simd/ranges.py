@@ -49,7 +49,8 @@ def opaque(original: Callable[[Any, ast.For], None]) -> Callable[[Any, ast.For],
 
     def build(context: Any, node: Any) -> None:
         if context.is_kernel and len(context.loop_scopes) == 1:
-            here.parallel = (context, node) if _ours(context) else None
+            from_zero = len(node.iter.args) == 1  # so that no index is below it
+            here.parallel = (context, node) if from_zero and _ours(context) else None
             try:
                 original(context, node)
             finally:
