@@ -1,6 +1,6 @@
-"""Tracing: Taichi's walk through a kernel's source still names the place of an error, reads each source once, copies once."""
+"""Tracing: Taichi's walk through a kernel's source still names the place of an error, copies once, and leaves garbage alone."""
 
-import ast
+import gc
 import subprocess
 import sys
 
@@ -9,7 +9,7 @@ import pytest
 import taichi as ti
 from taichi.lang import impl, kernel_impl
 
-from tiswarm.simd import runtime, tracing
+from tiswarm.simd import runtime
 
 pytestmark = pytest.mark.quick
 
@@ -28,29 +28,6 @@ def test_error_names_file_line_and_source():
     with pytest.raises(ti.TaichiCompilationError, match=r"(?s)test_tracing\.py.*line 22.*not_defined_anywhere") as told:
         calls()
     assert "in wrong" in str(told.value)
-
-
-def test_each_source_is_read_once(monkeypatch):
-    read = []
-    monkeypatch.setattr(kernel_impl, "getsourcelines", tracing._once(lambda func: read.append(func) or ([], 1)))
-
-    def builder(number):
-        def func():
-            return number
-
-        return func
-
-    for number in range(3):
-        assert kernel_impl.getsourcelines(builder(number)) == ([], 1)
-    assert len(read) == 1
-
-
-def test_equal_code_of_two_files_is_read_twice():
-    reading = tracing._once(lambda func: func.__code__.co_filename)
-    funcs = [{}, {}]
-    for name, scope in zip(("a.py", "b.py"), funcs, strict=True):
-        exec(compile("def func(): return 1", name, "exec"), scope)
-    assert [reading(scope["func"]) for scope in funcs] == ["a.py", "b.py"]
 
 
 def test_funcs_of_classes_are_known_as_such_without_a_look_at_the_source(monkeypatch):
@@ -82,25 +59,52 @@ def test_funcs_of_classes_are_known_as_such_without_a_look_at_the_source(monkeyp
     assert calls(43) == 42
 
 
+def test_an_error_within_a_func_names_each_place_once():
+    runtime.init("f32")
+
+    @ti.func
+    def inner(x):
+        return x @ 1
+
+    @ti.func
+    def outer(x):
+        return inner(x) + 1.0
+
+    @ti.kernel
+    def calls() -> ti.f32:
+        return outer(1.0)
+
+    with pytest.raises(ti.TaichiCompilationError) as told:
+        calls()
+    said = str(told.value)
+    assert [said.count(f"in {name}:") for name in ("calls", "outer", "inner")] == [1, 1, 1]
+
+
+def test_garbage_is_collected_again_after_a_walk(monkeypatch):
+    runtime.init("f32")
+    during = []
+
+    @ti.kernel
+    def looks() -> ti.i32:
+        ti.static(during.append(gc.isenabled()))
+        return 1
+
+    for before in (True, False):
+        (gc.enable if before else gc.disable)()
+        try:
+            kernel_impl.Kernel.materialize(looks._primal, None, (), [])
+            looks._primal.compiled_kernels.clear()
+            assert gc.isenabled() is before
+        finally:
+            gc.enable()
+    assert during == [False, False]
+
+
 @pytest.mark.parametrize("first", ["taichi", "tiswarm", "tiswarm.engine.trials.batch", "render.films"])
 def test_taichi_is_lightened_whoever_imports_it_first(first):
     code = f"import {first}, tiswarm, taichi.lang.kernel_impl as reader; print(reader._inside_class.__module__)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split()[-1] == "tiswarm.simd.tracing"
-
-
-def test_a_tree_is_lent_to_one_walk_at_a_time_and_comes_back_clean():
-    trees, source = tracing.Trees(), "def func(a):\n    return a.b(a)"
-    one, other = trees.take(source), trees.take(source)
-    assert one is not other
-    as_parsed = ast.dump(one)
-    one.body[0].args.args = []
-    for node in ast.walk(one):
-        node.ptr = node.caller = "found"
-    trees.put(one)
-    assert trees.take(source) is one
-    assert ast.dump(one) == as_parsed
-    assert not any(hasattr(node, "ptr") or hasattr(node, "caller") for node in ast.walk(one))
 
 
 @ti.func

@@ -12,18 +12,18 @@ around it. Taichi makes two of every one, since `a = b = c` is allowed.
 
 import ast
 import functools
+import gc
 import importlib.abc
 import importlib.util
 import inspect
 import sys
 import textwrap
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
-from types import CodeType, ModuleType, SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from tiswarm.simd import ranges
+from tiswarm.simd import ranges, sources
 
 READER = "taichi.lang.kernel_impl"
 """The module that decorates funcs and reads their source."""
@@ -68,7 +68,7 @@ def _lighten(kernel_impl: Any) -> None:
     And let it see a class without its source, and step through ranges as ranges.py does. Twice does nothing more.
     """
     from taichi.lang.ast.ast_transformer import ASTTransformer
-    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext, Builder
 
     if ASTTransformerContext.get_pos_info is _spot:
         return
@@ -76,13 +76,17 @@ def _lighten(kernel_impl: Any) -> None:
     kernel_impl._inside_class = _inside_class
     for name in ("getsourcelines", "getsourcefile"):
         if hasattr(kernel_impl, name):
-            setattr(kernel_impl, name, _once(getattr(kernel_impl, name)))
+            read = getattr(kernel_impl, name)
+            setattr(kernel_impl, name, sources.once(sources.lines_of(read) if name == "getsourcelines" else read))
     if getattr(kernel_impl, "textwrap", None) is textwrap:
         kernel_impl.textwrap = SimpleNamespace(fill=functools.cache(textwrap.fill), dedent=functools.cache(textwrap.dedent))
     if getattr(kernel_impl, "ast", None) is ast and hasattr(kernel_impl, "transform_tree"):
-        trees = Trees()
+        trees = sources.Trees()
         kernel_impl.ast = SimpleNamespace(parse=trees.take)
         kernel_impl.transform_tree = trees.returned_by(kernel_impl.transform_tree)
+    if hasattr(kernel_impl, "Kernel"):
+        kernel_impl.Kernel.materialize = _uncollected(kernel_impl.Kernel.materialize)
+    Builder.__call__ = _calling(Builder.__call__, ASTTransformer)
     ASTTransformer.build_Assign = staticmethod(_assigning(ASTTransformer.build_Assign))
     ASTTransformer.build_range_for = staticmethod(ranges.opaque(ASTTransformer.build_range_for))
 
@@ -104,58 +108,64 @@ def _inside_class(level_of_class_stackframe: int) -> bool:
     return "__qualname__" in body.f_locals and not body.f_code.co_flags & inspect.CO_NEWLOCALS
 
 
-def _once(read: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Read the source of a func's code once, however many funcs are built of it."""
-    known: dict[tuple[str, CodeType], Any] = {}
+def _calling(original: Callable[[Any, Any, Any], Any], builders: type) -> Callable[[Any, Any, Any], Any]:
+    """Build a node with what Taichi needs and no more: its builder looked up once, and its place on the stack of places.
 
-    @functools.wraps(read)
-    def reading(func: Any) -> Any:
-        code = inspect.unwrap(func).__code__
-        key = code.co_filename, code  # codes of two files may be equal
-        if key not in known:
-            known[key] = read(func)
-        return known[key]
+    original: builds what is no statement or expression, and tells of what went wrong.
+    builders: has a builder for each kind of node.
+    """
+    from taichi.lang import impl
 
-    return reading
+    known: dict[type, Any] = {}
+
+    def call(self: Any, context: Any, node: Any) -> Any:
+        kind = node.__class__
+        builder = known.get(kind)
+        if builder is None:
+            builder = getattr(builders, f"build_{kind.__name__}", None)
+            if builder is None or not issubclass(kind, ast.stmt | ast.expr):
+                return original(self, context, node)
+            known[kind] = builder
+        places = impl.get_runtime().src_info_stack
+        places.append(context.get_pos_info(node))
+        try:
+            return builder(context, node)
+        except Exception as error:
+            failed = error
+        finally:
+            places.pop()
+        return original(_Failing(failed), context, node)
+
+    return call
 
 
-class Trees:
-    """Syntax trees of sources, lent to one walk at a time: what it notes on the nodes is wiped off after it."""
+class _Failing:
+    """Has builders that fail as another did."""
 
-    def __init__(self) -> None:
-        """Begin without any."""
-        self._free: dict[str, list[ast.Module]] = defaultdict(list)
-        self._clean: dict[ast.Module, tuple[str, list[tuple[dict, dict]]]] = {}
+    def __init__(self, error: Exception) -> None:
+        self._error = error
 
-    def take(self, source: str) -> ast.Module:
-        """Give a tree of a source that nobody walks through."""
-        if self._free[source]:
-            return self._free[source].pop()
-        tree = ast.parse(source)
-        self._clean[tree] = source, [(vars(node), dict(vars(node))) for node in ast.walk(tree)]
-        return tree
+    def __getattr__(self, name: str) -> Any:
+        def fail(*_: Any) -> None:
+            raise self._error
 
-    def put(self, tree: ast.Module) -> None:
-        """Take a tree back, as it was."""
-        if tree not in self._clean:  # parsed before there were any
-            return
-        source, nodes = self._clean[tree]
-        for noted, clean in nodes:
-            noted.clear()
-            noted.update(clean)
-        self._free[source].append(tree)
+        return fail
 
-    def returned_by(self, walk: Callable[[ast.Module, Any], Any]) -> Callable[[ast.Module, Any], Any]:
-        """Take the tree of a walk back when it ends."""
 
-        @functools.wraps(walk)
-        def walking(tree: ast.Module, context: Any) -> Any:
-            try:
-                return walk(tree, context)
-            finally:
-                self.put(tree)
+def _uncollected(walk: Callable[..., Any]) -> Callable[..., Any]:
+    """Let Python look for no garbage while a walk makes its tens of thousands of objects, few of which outlive it."""
 
-        return walking
+    @functools.wraps(walk)
+    def walking(*given: Any, **named: Any) -> Any:
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            return walk(*given, **named)
+        finally:
+            if collects:
+                gc.enable()
+
+    return walking
 
 
 def _assigning(original: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
