@@ -1,4 +1,4 @@
-"""Ranges: loops of our kernels mean what Python's mean, and those whose bounds are not known are built as steps."""
+"""Ranges: loops of our kernels mean what Python's mean, and those of many turns, or of unknown many, are built as steps."""
 
 import numpy as np
 import pytest
@@ -30,8 +30,10 @@ def _summing():
             for i in range(first, last):
                 for j in range(i, last):
                     count += 10 * i + j
-                for _ in range(2):  # known, for LLVM to unroll
+                for _ in range(2):  # few and known, for LLVM to unroll
                     count += 1
+                for k in range(5, 40):  # known, and many
+                    count += k
             out[3 * index + 1] = count
             for i in range(last, first):
                 count += i
@@ -41,7 +43,9 @@ def _summing():
 
 
 def _by_hand(first, last):
-    count = sum(10 * i + j for i in range(first, last) for j in range(i, last)) + 2 * len(range(first, last))
+    count = sum(10 * i + j for i in range(first, last) for j in range(i, last)) + (2 + sum(range(5, 40))) * len(
+        range(first, last)
+    )
     return [sum(i for i in range(min(last, 7)) if i != 3), count, count + sum(range(last, first))]
 
 
@@ -54,7 +58,7 @@ def whiles(monkeypatch):
 
 
 @pytest.mark.parametrize("bounds", [(0, 5), (2, 12), (-3, 2), (4, 4), (9, 1), (0, 0)])
-@pytest.mark.parametrize(("module", "loops"), [("tiswarm.engine.made", 4), ("a_users", 0)])
+@pytest.mark.parametrize(("module", "loops"), [("tiswarm.engine.made", 5), ("a_users", 0)])
 def test_loops_are_pythons_and_only_ours_are_stepped(bounds, module, loops, whiles):
     runtime.init("f32")
     plain = _summing()

@@ -15,9 +15,12 @@ from typing import Any
 OURS = ("tiswarm", "render")
 """Packages whose kernels are built so: a user's own may want what a range of Taichi's alone can, gradients for one."""
 
+FEW = 16
+"""Turns, known beforehand, that are worth unrolling: as many as lanes at most. A table's columns, some 70, are not."""
+
 
 def opaque(original: Callable[[Any, ast.For], None]) -> Callable[[Any, ast.For], None]:
-    """Let loops within a parallel one of our kernels go by 1 | (index >> 31), which is 1, to bounds that are no constants.
+    """Let loops within a parallel one of our kernels go by 1 | (index >> 31), which is 1, unless they have FEW turns at most.
 
     original: what builds a range of Taichi's, and all others.
     """
@@ -58,7 +61,8 @@ def opaque(original: Callable[[Any, ast.For], None]) -> Callable[[Any, ast.For],
             return
         inside = getattr(here, "parallel", None) is not None and len(node.iter.args) in (1, 2)
         bounds = [build_stmt(context, each) for each in node.iter.args] if inside else []
-        if not any(isinstance(bound, Expr) for bound in bounds):
+        known = not any(isinstance(bound, Expr) for bound in bounds)
+        if not inside or (known and len(range(*bounds)) <= FEW):
             original(context, node)
             return
         with context.variable_scope_guard():
