@@ -5,20 +5,27 @@ suite that is too slow should share.
 """
 
 import gc
+import json
+import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import warnings
 from collections import defaultdict
+from functools import cached_property
+from pathlib import Path
 
 import pytest
 
 import tiswarm
 from tiswarm.dynamics.specialisation import Specialisation
+from tiswarm.simd import runtime
 
 _compiled: dict[str, list[float]] = defaultdict(list)
 _file = [""]
+_GROUPS = pytest.StashKey[tempfile.TemporaryDirectory]()
 
 
 def pytest_addoption(parser):
@@ -29,13 +36,56 @@ def pytest_configure(config):
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:  # by `nohup pytest &`, for commands that tests interrupt too
             signal.signal(number, usual)
+    runtime.MOST_COMPILED = 150  # which tests share; it is an 8 GiB laptop's bound that a user's process has
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that tests start compiles a hundred modules of ours
     if config.getoption("--kernels"):
         _watch_compiler()
 
 
-def pytest_collection_modifyitems(items):
-    """End with files that take little: whose last one is short does not wait long for the other worker."""
-    items.sort(key=lambda item: item.path.parent.name in ("render", "scenario", "space", "system"))
+def pytest_collection_modifyitems(config, items):
+    """Let tests of one precision follow each other, whatever file they are in, so that all of them share what was compiled.
+
+    What begins Taichi anew comes between the two. End with files that take little: whose last one is short does not wait long
+    for the other worker.
+    """
+    order, light = ("f64", "anew", "f32"), ("render", "scenario", "space", "system")
+    items.sort(key=lambda item: (order.index(_runtime_of(item)), item.path.parent.name in light))
+    told = getattr(config, "workerinput", {})
+    if told.get("workerid") == "gw0":
+        groups = {item.nodeid: f"{item.location[0]} {_runtime_of(item)}" for item in items}
+        Path(told["groups"]).write_text(json.dumps(groups), encoding="utf-8")
+
+
+def _runtime_of(item):
+    """Tell which precision a test runs in, or that it begins Taichi anew, on other threads for one."""
+    if item.get_closest_marker("anew"):
+        return "anew"
+    varied = item.callspec.params.get("precision", "") if hasattr(item, "callspec") else ""
+    return "f64" if "f64" in (varied, *item.fixturenames) else "f32"
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node):
+    """Tell a worker where to write what of a file belongs together: only workers know the tests."""
+    if _GROUPS not in node.config.stash:
+        node.config.stash[_GROUPS] = tempfile.TemporaryDirectory()
+    node.workerinput["groups"] = str(Path(node.config.stash[_GROUPS].name) / "groups.json")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give a worker the tests of a file that run in one precision, all at once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByRuntime(LoadFileScheduling):
+        @cached_property
+        def _groups(self):
+            return json.loads((Path(config.stash[_GROUPS].name) / "groups.json").read_text(encoding="utf-8"))
+
+        def _split_scope(self, nodeid):
+            return self._groups[nodeid]
+
+    return ByRuntime(config, log) if config.option.dist == "loadfile" else None
 
 
 def pytest_collection_finish():
@@ -70,6 +120,8 @@ def _watch_compiler():
 
 def pytest_runtest_setup(item):
     _file[0] = item.location[0]
+    if runtime._settings is not None and _runtime_of(item) != "f64":  # a test that names no precision gets the usual one
+        tiswarm.init("f32")
 
 
 def pytest_terminal_summary(terminalreporter):

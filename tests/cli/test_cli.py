@@ -67,6 +67,7 @@ def test_run_gives_the_summary_as_json_and_saves_it(tmp_path):
     assert {file.name for file in (tmp_path / "r").iterdir()} == {"trials.csv", "summary.json", "manifest.json"}
 
 
+@pytest.mark.anew
 def test_the_command_line_gives_the_bits_that_the_library_gives_at_any_number_of_threads(tmp_path, command):
     asked = ("run", "delft/pronav-10", "--trials", 40, "--json", "--threads")
     one, two = (command(*asked, n, cwd=tmp_path) for n in (1, 2))

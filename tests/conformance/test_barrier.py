@@ -115,8 +115,8 @@ def test_shared_commands_are_those_next_to_the_given_ones(f64):
 @pytest.mark.parametrize("form", FORMS)
 def test_nobody_ever_comes_nearer_than_the_radius(form, f32):
     """Ticks of 2 to 20 robots who all press to one point; a million of them: `tests/benchmarks/barrier.py million`."""
-    count = np.resize(np.arange(2, 21), 76)
-    results = tiswarm.simulate(_safe(form, CROWDING), 76, weights={"prey.count": count})
+    count = np.resize(np.arange(2, 21), 38)
+    results = tiswarm.simulate(_safe(form, CROWDING), 38, weights={"prey.count": count})
     assert (results.ticks == 500).all()
     assert results.measures["least-distance"].min() > RADIUS - 1e-6
     assert results.measures["least-distance"].max() < RADIUS + 0.1
@@ -163,6 +163,7 @@ def test_robots_that_overlap_at_the_start_come_apart(form, f32):
 
 
 @pytest.mark.parametrize("form", FORMS)
+@pytest.mark.anew
 def test_no_bit_depends_on_company_or_threads(form):
     scenario = _safe(form, {"world.ticks": 300})
     found = []
@@ -174,6 +175,7 @@ def test_no_bit_depends_on_company_or_threads(form):
     np.testing.assert_array_equal(found[0], found[2])
 
 
+@pytest.mark.anew
 def test_a_solution_that_takes_too_long_is_slowed_down_instead(monkeypatch):
     """With one sweep instead of thousands velocities are not the nearest, and bounds hold all the same."""
     monkeypatch.setattr(joint_solution, "SWEEPS", 1)

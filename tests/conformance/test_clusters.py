@@ -32,6 +32,7 @@ def test_kept_labels_are_another_rule(f64):
     assert success < -5
 
 
+@pytest.mark.anew
 def test_the_trials_of_the_file_are_what_its_script_gives():
     assert fits.trials("jump", [17]).tolist() == np.load(fits.FILE)["jump"][[17]].tolist()
 

@@ -144,6 +144,7 @@ def test_a_start_that_is_closed_in_goes_straight_and_the_recording_says_so(f32, 
 
 
 @pytest.mark.parametrize("plan", ["field", "list"])
+@pytest.mark.anew
 def test_planned_trials_have_the_same_bits_in_any_batch_and_at_any_number_of_threads(plan):
     scenario = tiswarm.load("delft/planned-10", {**SMALL, "planning.plan": plan})
     tiswarm.init("f32", 1)

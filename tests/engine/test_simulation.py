@@ -153,8 +153,7 @@ def test_numbers_set_between_ticks_act_from_then_on_without_a_new_kernel(engine,
     assert not np.array_equal(simulation.position(), plain.prey.position[12])
 
 
-def test_both_engines_agree_on_a_change():
-    tiswarm.init("f64")
+def test_both_engines_agree_on_a_change(f64):
     both = [tiswarm.Simulation(chase(engine), seed=2) for engine in ENGINES]
     for simulation in both:
         simulation.step(8)

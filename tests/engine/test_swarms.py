@@ -60,6 +60,7 @@ def test_a_large_swarm_does_what_a_trial_does(dim, side, boundary, f64):
             single.step()
 
 
+@pytest.mark.anew
 def test_threads_change_no_bit():
     states = []
     for threads in (1, 2, 2):
@@ -229,6 +230,7 @@ def crowd():
     )
 
 
+@pytest.mark.anew
 def test_a_hunted_crowd_has_the_same_bits_at_any_number_of_threads_and_alone(crowd):
     states = []
     for threads in (1, *[2] * 30):  # two threads meet in many ways

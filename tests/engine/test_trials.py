@@ -55,6 +55,7 @@ def test_chunks_change_no_bit(monkeypatch):
     _same(whole, tiswarm.simulate(scenario, 300))
 
 
+@pytest.mark.anew
 def test_threads_change_no_bit():
     scenario = tiswarm.load("delft/pronav-10", {"prey.strategy": "explode-evasive"})
     results = []

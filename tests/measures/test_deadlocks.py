@@ -156,6 +156,7 @@ class TestKernelAgainstRecording:
         own = {"measures.names": list(MEASURES), "measures.window": 10, "measures.within": 6.0, "measures.path": 1.0}
         assert _agree(tiswarm.load("m20/hawk", {**own, "world.contact": "eaten"}), 11).any()
 
+    @pytest.mark.anew
     def test_a_lane_forgets_the_trial_before_and_threads_change_no_bit(self):
         scenario = tiswarm.load("delft/avoidance-30", {"measures.names": list(MEASURES), "prey.avoidance": "spiral"})
         found = []

@@ -258,6 +258,7 @@ CASES = [("m20/hawk", BODIES, {"world.contact": "eaten"}), ("sanitation/arena", 
 
 @pytest.mark.parametrize(("preset", "names", "own"), CASES)
 class TestBatches:
+    @pytest.mark.anew
     def test_threads_change_no_bit(self, preset, names, own):
         scenario = tiswarm.load(preset, {**own, "measures.names": list(names)})
         results = []

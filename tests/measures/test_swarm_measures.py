@@ -150,6 +150,7 @@ def test_those_who_are_gone_are_not_measured(hunted, f64):
     assert np.isfinite(brief["speed"]).all()  # the last state counts, however late measuring begins
 
 
+@pytest.mark.anew
 def test_measuring_changes_no_bit_and_threads_change_no_measure(hunted):
     plain = hunted.replaced({"measures.names": [], "coverage.cell": 0})
     found = []

@@ -155,6 +155,7 @@ def test_agents_lie_in_stable_order_within_a_cell(f32):
     assert (np.diff(grid.numbers[0, :500])[same] > 0).all()
 
 
+@pytest.mark.anew
 def test_threads_and_repetition_change_no_bit():
     rng = np.random.default_rng(9)
     position = rng.random((3, 15_000, 2)) * 60
@@ -205,6 +206,7 @@ def test_memory_stays_small(f32):
             assert 2 * 4 * width + 12 + 2 * 4 * cut.cells / 1e6 <= 120
 
 
+@pytest.mark.anew
 def test_prepared_launches_outlive_a_restart():
     position = np.random.default_rng(14).random((1, 300, 2)) * 10
     tiswarm.init("f32", 1)

@@ -11,6 +11,7 @@ KEPT = {"predators.weights.labels": "kept"}
 STICKY = {**KEPT, "predators.weights.sticky": True}
 
 
+@pytest.mark.anew
 def test_threads_and_company_change_no_bit():
     scenarios = [
         tiswarm.load("delft/cluster-10"),

@@ -112,7 +112,7 @@ def drawn():
 
 
 @pytest.mark.parametrize("name", SETS)
-def test_the_order_of_centres_follows_scikit_learns_law(drawn, name):
+def test_the_order_of_centres_follows_scikit_learns_law(drawn, name, f64):
     clusters = SETS[name][1]
     ours = Counter(map(tuple, drawn[:, :clusters, list(SETS).index(name)].tolist()))
     theirs = Counter(map(tuple, fitted()[name].tolist()))
