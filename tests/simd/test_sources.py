@@ -54,12 +54,20 @@ def test_a_func_of_taichi_s_ends_where_inspect_finds_that_it_does(package, least
 def test_what_has_no_instructions_is_read_too(text, tmp_path):
     path = tmp_path / "some.py"
     path.write_text(text, encoding="utf-8")
-    linecache.checkcache()
     (code,) = functions(compile(text, str(path), "exec"))
     lines, first = sources.lines_of(lambda func: inspect.getsourcelines(func.__code__))(SimpleNamespace(__code__=code))
     whole, begin = inspect.getsourcelines(code)
     assert first == begin
     assert ast.dump(ast.parse(textwrap.dedent("".join(lines)))) == ast.dump(ast.parse(textwrap.dedent("".join(whole))))
+
+
+def test_a_module_that_was_changed_and_loaded_again_is_read_again(tmp_path):
+    path, reading = tmp_path / "some.py", sources.lines_of(lambda func: None)
+    for remark in ("", "# one\n# and two more lines\n"):
+        text = f"{remark}def func(a):\n    return a\n"
+        path.write_text(text, encoding="utf-8")
+        (code,) = functions(compile(text, str(path), "exec"))
+        assert "".join(reading(SimpleNamespace(__code__=code))[0]) == "def func(a):\n    return a\n"
 
 
 def test_each_source_is_read_once():

@@ -10,6 +10,7 @@ be anything.
 import ast
 import threading
 from collections.abc import Callable
+from numbers import Integral
 from typing import Any
 
 OURS = ("tiswarm", "render")
@@ -61,8 +62,7 @@ def opaque(original: Callable[[Any, ast.For], None]) -> Callable[[Any, ast.For],
             return
         inside = getattr(here, "parallel", None) is not None and len(node.iter.args) in (1, 2)
         bounds = [build_stmt(context, each) for each in node.iter.args] if inside else []
-        known = not any(isinstance(bound, Expr) for bound in bounds)
-        if not inside or (known and len(range(*bounds)) <= FEW):
+        if not inside or (not any(isinstance(bound, Expr) for bound in bounds) and not _many(bounds)):
             original(context, node)
             return
         with context.variable_scope_guard():
@@ -71,6 +71,11 @@ def opaque(original: Callable[[Any, ast.For], None]) -> Callable[[Any, ast.For],
             stepping(context, node, begin, end)
 
     return build
+
+
+def _many(bounds: list[Any]) -> bool:
+    """Tell whether a range between constants has more turns than are worth unrolling."""
+    return all(isinstance(bound, Integral) for bound in bounds) and len(range(*bounds)) > FEW
 
 
 def _ours(context: Any) -> bool:

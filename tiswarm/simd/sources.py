@@ -40,6 +40,7 @@ def lines_of(read: Callable[[Any], tuple[list[str], int]]) -> Callable[[Any], tu
     def reading(func: Any) -> tuple[list[str], int]:
         code = inspect.unwrap(func).__code__
         begin, end = code.co_firstlineno, _last_line(code)
+        linecache.checkcache(code.co_filename)  # a module may have been changed, and loaded again
         lines = linecache.getlines(code.co_filename)
         found = lines[begin - 1 : end]
         if not any(line.lstrip().startswith("def ") for line in found):  # decorators may come first
