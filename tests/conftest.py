@@ -89,9 +89,10 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 def pytest_collection_finish():
-    """Look for garbage no more among tests and modules, which stay: Taichi makes much for which all is looked through."""
+    """Look for garbage less often, and no more among tests and modules, which stay: Taichi makes much of it."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, *gc.get_threshold()[1:])
 
 
 def _watch_compiler():
