@@ -126,7 +126,7 @@ def test_nobody_ever_comes_nearer_than_the_radius(form, f32):
 def test_a_coarse_tick_is_as_safe_as_a_fine_one(form, f32):
     """Ticks of a second and a gain of a million: a bound in continuous time alone lets robots jump past each other."""
     coarse = {"world.dt": 1.0, "barrier.gain": 1e6, "world.ticks": 60, "prey.max_speed": 0.5}
-    results = tiswarm.simulate(_safe(form, CROWDING | coarse), 24)
+    results = tiswarm.simulate(_safe(form, CROWDING | coarse), 8)
     assert results.measures["least-distance"].min() > RADIUS - 1e-6
 
 
