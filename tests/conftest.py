@@ -36,7 +36,7 @@ def pytest_configure(config):
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:  # by `nohup pytest &`, for commands that tests interrupt too
             signal.signal(number, usual)
-    runtime.MOST_COMPILED = 150  # which tests share; it is an 8 GiB laptop's bound that a user's process has
+    runtime.MOST_COMPILED = 150  # that tests share; they take 1.4 GB of memory then, more than a user should give
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that tests start compiles a hundred modules of ours
     if config.getoption("--kernels"):
         _watch_compiler()
