@@ -115,8 +115,8 @@ def test_shared_commands_are_those_next_to_the_given_ones(f64):
 @pytest.mark.parametrize("form", FORMS)
 def test_nobody_ever_comes_nearer_than_the_radius(form, f32):
     """Ticks of 2 to 20 robots who all press to one point; a million of them: `tests/benchmarks/barrier.py million`."""
-    count = np.resize(np.arange(2, 21), 38)
-    results = tiswarm.simulate(_safe(form, CROWDING), 38, weights={"prey.count": count})
+    count = np.resize(np.arange(2, 21), 76)
+    results = tiswarm.simulate(_safe(form, CROWDING), 76, weights={"prey.count": count})
     assert (results.ticks == 500).all()
     assert results.measures["least-distance"].min() > RADIUS - 1e-6
     assert results.measures["least-distance"].max() < RADIUS + 0.1
@@ -126,7 +126,7 @@ def test_nobody_ever_comes_nearer_than_the_radius(form, f32):
 def test_a_coarse_tick_is_as_safe_as_a_fine_one(form, f32):
     """Ticks of a second and a gain of a million: a bound in continuous time alone lets robots jump past each other."""
     coarse = {"world.dt": 1.0, "barrier.gain": 1e6, "world.ticks": 60, "prey.max_speed": 0.5}
-    results = tiswarm.simulate(_safe(form, CROWDING | coarse), 8)
+    results = tiswarm.simulate(_safe(form, CROWDING | coarse), 24)
     assert results.measures["least-distance"].min() > RADIUS - 1e-6
 
 
